@@ -1,0 +1,106 @@
+//! What a problem and its options must fulfil before the first step.
+
+use super::ivp::Options;
+use super::outcome::first_non_finite;
+use super::run::Pace;
+use super::start::steps_behind;
+use crate::step::method::Method;
+use crate::step::norm::Tolerance;
+use crate::step::row::form_of;
+use crate::step::scalar::{Real, Scalar};
+use crate::step::state::{RealOf, State};
+use num_traits::Zero;
+use std::ops::Range;
+
+/// What is wrong and what to do about it, or nothing.
+pub(crate) fn check<M: Method, Y: State, P: Pace>(
+    method: &M,
+    y0: &Y,
+    v0: Option<&Y>,
+    span: &Range<RealOf<Y>>,
+    options: &Options<Y>,
+) -> Option<String> {
+    let (form, name) = (form_of(method), method.name());
+    let zero = RealOf::<Y>::zero();
+    if form.s == 0 {
+        return Some(format!("{name} cannot be stepped yet: its stages are implicit"));
+    }
+    match (form.d, v0) {
+        (2, None) => return Some(format!("{name} is for y'' = f(t, y): use solve_second with a velocity")),
+        (1, Some(_)) => return Some(format!("{name} is for y' = f(t, y): use solve, or a Nyström method")),
+        (2, Some(v0)) if v0.as_slice().len() != y0.as_slice().len() => {
+            let (x, v) = (y0.as_slice().len(), v0.as_slice().len());
+            return Some(format!("the position has {x} components but the velocity {v}"));
+        }
+        _ => {}
+    }
+    for (what, t) in [("start", span.start), ("end", span.end)] {
+        if !t.finite() {
+            return Some(format!("the span's {what} is {t}: it must be finite"));
+        }
+    }
+    for (what, state) in [("y0", Some(y0)), ("v0", v0)] {
+        if let Some(i) = state.and_then(first_non_finite) {
+            return Some(format!("component {i} of {what} is a NaN or an infinity"));
+        }
+    }
+    if P::ADAPTIVE {
+        if form.errors == 0 {
+            return Some(format!("{name} has no error estimate: give it a step with .step(h)"));
+        }
+        if let Some(text) = tolerance(&options.tolerance, y0.as_slice().len()) {
+            return Some(text);
+        }
+        for (what, h) in
+            [("max_step", options.max_step), ("min_step", Some(options.min_step)), ("first_step", options.step)]
+        {
+            if let Some(h) = h
+                && !(h.finite() && (h > zero || what == "min_step" && h.is_zero()))
+            {
+                return Some(format!("{what} is {h}: it must be positive"));
+            }
+        }
+    } else {
+        let h = options.step.unwrap_or(zero);
+        if !(h.finite() && h > zero) {
+            return Some(format!("the step is {h}: it must be positive, also where time runs backwards"));
+        }
+        let steps = ((span.end - span.start).modulus() / h).to_f64();
+        if !(steps < 9e15) {
+            return Some(format!("the step {h} is too small for the span: {steps:e} steps"));
+        }
+        if let Some(starter) = &options.starter
+            && steps_behind(form) > 0
+            && !(starter.form().one_step() && starter.form().d == form.d && starter.form().s > 0)
+        {
+            return Some(format!("{} cannot start {name}: it needs a one-step method", starter.name()));
+        }
+    }
+    let forward = span.end > span.start;
+    let ordered = |a: RealOf<Y>, b: RealOf<Y>| if forward { a <= b } else { a >= b };
+    let mut last = span.start;
+    for &time in &options.times {
+        if !(ordered(last, time) && ordered(time, span.end)) {
+            return Some(format!("the requested time {time} is outside the span or out of order"));
+        }
+        last = time;
+    }
+    options.breaks.iter().find(|b| !b.finite()).map(|b| format!("the break at {b} is not a time"))
+}
+
+fn tolerance<R: Real>(tolerance: &Tolerance<R>, n: usize) -> Option<String> {
+    let one = |rtol: R, atol: R| {
+        let good = |x: R| x.finite() && x >= R::zero();
+        if !good(rtol) || !good(atol) || (rtol.is_zero() && atol.is_zero()) {
+            return Some(format!("rtol = {rtol}, atol = {atol}: both must be at least 0, and one positive"));
+        }
+        None
+    };
+    match tolerance {
+        Tolerance::Scalar { rtol, atol } => one(*rtol, *atol),
+        Tolerance::Each(each) if each.len() != n => {
+            Some(format!("{} tolerances are given for {n} components", each.len()))
+        }
+        Tolerance::Each(each) => each.iter().find_map(|&(rtol, atol)| one(rtol, atol)),
+    }
+}

@@ -1,0 +1,151 @@
+//! Step-size control: how the next step follows from the errors of the last ones.
+
+/// A digital filter of the error (Söderlind 2003, ACM TOMS 29):
+///
+/// ```text
+/// h_(n+1) / h_n = (s/e_n)^(b1/k) (s/e_(n-1))^(b2/k) (s/e_(n-2))^(b3/k) (h_n/h_(n-1))^(-a2)
+/// ```
+///
+/// with e the error norm over its tolerance, k the order of the estimate plus one, s the safety factor.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Controller {
+    /// b1, b2, b3.
+    pub errors: [f64; 3],
+    /// a2: how much of the last change of step is taken back.
+    pub steps: f64,
+    /// The error aimed at is this factor to the power k. Default 0.9; nearer to 1 more steps are rejected.
+    pub safety: f64,
+    /// A step never shrinks by more than this at once. Default 0.2.
+    pub shrink: f64,
+    /// A step never grows by more than this at once. Default 10.
+    pub grow: f64,
+}
+
+impl Controller {
+    const fn of(errors: [f64; 3], steps: f64) -> Self {
+        Self { errors, steps, safety: 0.9, shrink: 0.2, grow: 10.0 }
+    }
+
+    /// The elementary controller: the last error alone. Quickest where the solution is smooth.
+    pub const I: Self = Self::of([1.0, 0.0, 0.0], 0.0);
+    /// Gustafsson (1991), ACM TOMS 17: fewer rejections where stability limits the step.
+    pub const PI: Self = Self::of([0.7, -0.4, 0.0], 0.0);
+    /// Proportional, integral and differential parts 1/18, 1/9, 1/18 (Söderlind's H312PID).
+    pub const PID: Self = Self::of([1.0 / 18.0, 1.0 / 9.0, 1.0 / 18.0], 0.0);
+    /// Söderlind's H211b with b = 4: smooth step sequences.
+    pub const H211B: Self = Self::of([0.25, 0.25, 0.0], 0.25);
+
+    /// What a table runs with unless told otherwise: PI for pairs up to order six, whose steps are often
+    /// limited by stability, the elementary one above, where accuracy limits them.
+    pub const fn default_of(order: usize) -> Self {
+        if order > 6 { Self::I } else { Self::PI }
+    }
+}
+
+/// The memory of a controller, in binary logarithms.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Control {
+    controller: Controller,
+    /// 1 / k.
+    exponent: f64,
+    /// log2 of the last two accepted errors, newest first.
+    errors: [f64; 2],
+    /// log2 of the last change of step.
+    change: f64,
+    rejected: bool,
+}
+
+impl Control {
+    pub fn new(controller: Controller, k: usize) -> Self {
+        Self { controller, exponent: 1.0 / k as f64, errors: [0.0; 2], change: 0.0, rejected: false }
+    }
+
+    /// The factor of the next step after an accepted one, from the square of its error.
+    #[inline(always)]
+    pub fn accepted(&mut self, error_square: f64) -> f64 {
+        let c = &self.controller;
+        let e = 0.5 * log2(error_square);
+        let mut change = c.errors[0] * e;
+        if c.errors[1] != 0.0 || c.errors[2] != 0.0 {
+            change += c.errors[1] * self.errors[0] + c.errors[2] * self.errors[1];
+            self.errors = [e, self.errors[0]];
+        }
+        let mut factor = -self.exponent * change;
+        if c.steps != 0.0 {
+            factor -= c.steps * self.change;
+        }
+        let limit = if self.rejected { 1.0 } else { c.grow };
+        let factor = (c.safety * exp2(factor)).clamp(c.shrink, limit);
+        if c.steps != 0.0 {
+            self.change = log2(factor);
+        }
+        self.rejected = false;
+        factor
+    }
+
+    /// The factor of the retry after a rejected step.
+    pub fn rejected(&mut self, error_square: f64) -> f64 {
+        self.rejected = true;
+        let c = &self.controller;
+        if !error_square.is_finite() {
+            return c.shrink / 2.0;
+        }
+        (c.safety * exp2(-0.5 * self.exponent * log2(error_square))).clamp(c.shrink, c.safety)
+    }
+
+    /// The factor after a refusal of the right-hand side.
+    pub fn refused(&mut self) -> f64 {
+        self.rejected = true;
+        self.controller.shrink
+    }
+
+    pub fn forget(&mut self) {
+        self.errors = [0.0; 2];
+        self.change = 0.0;
+        self.rejected = false;
+    }
+}
+
+/// Bits of a number a little below 1, chosen so that the largest error of the two functions below is least.
+const ONE: i64 = 0x3fef_5000_0000_0000;
+const MANTISSA: f64 = (1u64 << 52) as f64;
+
+/// log2 of a positive number, read off its bits as a piecewise linear function. A step factor needs no
+/// more: an error of 3 % in it is a tenth of the safety margin, and the step waits for this number.
+#[inline(always)]
+fn log2(x: f64) -> f64 {
+    (x.max(1e-300).to_bits() as i64 - ONE) as f64 * (1.0 / MANTISSA)
+}
+
+/// The inverse of [`log2`].
+#[inline(always)]
+fn exp2(y: f64) -> f64 {
+    f64::from_bits(((y.clamp(-900.0, 900.0) * MANTISSA) as i64 + ONE) as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_power_is_good_to_four_percent() {
+        for k in 2..14 {
+            let exponent = -1.0 / k as f64;
+            let mut x = 1e-20;
+            while x < 1e20 {
+                let near = exp2(exponent * log2(x));
+                let ratio = near / x.powf(exponent);
+                assert!((ratio - 1.0).abs() < 0.04 + 0.03 * -exponent, "{x:e}^{exponent}: {ratio}");
+                x *= 1.37;
+            }
+        }
+    }
+
+    #[test]
+    fn a_zero_error_grows_a_nan_shrinks() {
+        let mut control = Control::new(Controller::I, 5);
+        assert_eq!(control.accepted(0.0), 10.0);
+        assert_eq!(control.rejected(f64::NAN), 0.1);
+        assert!(control.accepted(0.0) <= 1.0, "no growth right after a rejection");
+    }
+}

@@ -1,0 +1,170 @@
+//! What a run gives back: a solution, or why it stopped and everything computed so far.
+
+use crate::step::scalar::Real;
+use crate::step::state::{RealOf, State};
+use std::fmt;
+
+/// Counts of a run.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Stats {
+    /// Evaluations of the right-hand side, those of the start and of dense output included.
+    pub evaluations: u64,
+    pub accepted: u64,
+    pub rejected: Rejections,
+    /// The component that dominated most error-test rejections, by majority vote.
+    pub limiting: Option<usize>,
+    pub(crate) votes: u64,
+}
+
+/// Attempts that were not accepted, by cause.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Rejections {
+    /// The error estimate exceeded the tolerance.
+    pub error: u64,
+    /// A NaN or an infinity came out of the right-hand side.
+    pub non_finite: u64,
+    /// The right-hand side refused a point ([`OutOfDomain`](crate::OutOfDomain)).
+    pub domain: u64,
+}
+
+impl Rejections {
+    pub fn total(&self) -> u64 {
+        self.error + self.non_finite + self.domain
+    }
+}
+
+/// Where the values between steps come from, and their order.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Interpolant {
+    /// The table's own dense output.
+    Own { order: usize },
+    /// Hermite interpolation of values and slopes, with extra evaluations where the order asks for them.
+    Hermite { order: usize },
+}
+
+impl Interpolant {
+    pub fn order(self) -> usize {
+        match self {
+            Interpolant::Own { order } | Interpolant::Hermite { order } => order,
+        }
+    }
+}
+
+/// A solution from t0 to `t`.
+#[derive(Clone, Debug)]
+pub struct Solution<Y: State> {
+    /// The time reached: the end of the span, to the last bit, unless a run was stopped.
+    pub t: RealOf<Y>,
+    /// The state there.
+    pub y: Y,
+    /// The velocity there, for y'' = f(t, y).
+    pub v: Option<Y>,
+    /// Times of the saved states, as asked for with `at` or `every_step`.
+    pub ts: Vec<RealOf<Y>>,
+    pub ys: Vec<Y>,
+    /// Velocities at `ts`, for y'' = f(t, y).
+    pub vs: Vec<Y>,
+    /// Roots of the events, in the order of time.
+    pub events: Vec<Occurrence<Y>>,
+    pub stats: Stats,
+    /// The step size last used.
+    pub h: RealOf<Y>,
+    /// What was or would be used between steps.
+    pub interpolant: Interpolant,
+}
+
+/// A root of an event function.
+#[derive(Clone, Debug)]
+pub struct Occurrence<Y: State> {
+    /// Which event, in the order they were declared.
+    pub event: usize,
+    pub t: RealOf<Y>,
+    /// The state at the root, before any change by the event.
+    pub y: Y,
+}
+
+/// Why a run did not reach its end.
+#[derive(Clone, PartialEq, Debug)]
+#[non_exhaustive]
+pub enum Why {
+    /// A setting makes no sense; the text says which, with its number, and what to do.
+    Invalid(String),
+    /// The error test asks for steps below the spacing of numbers at t.
+    StepTooSmall { limiting: Option<usize> },
+    /// More attempts than `max_steps`.
+    TooManySteps { attempts: u64 },
+    /// A NaN or an infinity that no smaller step avoids; the first such component.
+    NonFinite { component: usize, stage: Option<usize> },
+    /// The right-hand side refused the point and no smaller step avoids it.
+    OutOfDomain { stage: usize },
+    /// An event recurs faster and faster, like a ball that comes to rest.
+    TooManyEvents { event: usize },
+}
+
+impl fmt::Display for Why {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Why::Invalid(what) => f.write_str(what),
+            Why::StepTooSmall { limiting } => {
+                f.write_str("the step became too small for the numbers")?;
+                if let Some(i) = limiting {
+                    write!(f, "; component {i} limits it")?;
+                }
+                f.write_str(": the solution may be singular here, the problem stiff, or the tolerance too tight")
+            }
+            Why::TooManySteps { attempts } => {
+                write!(f, "{attempts} steps were attempted: raise max_steps, loosen the tolerance, or use a method for stiff problems")
+            }
+            Why::NonFinite { component, stage: Some(stage) } => {
+                write!(f, "the right-hand side gave a NaN or an infinity in component {component} at stage {stage}")
+            }
+            Why::NonFinite { component, stage: None } => {
+                write!(f, "component {component} of the state is a NaN or an infinity")
+            }
+            Why::OutOfDomain { stage } => {
+                write!(f, "the right-hand side refused the point of stage {stage}, however small the step")
+            }
+            Why::TooManyEvents { event } => write!(f, "event {event} recurs without end"),
+        }
+    }
+}
+
+/// A run that ended early: where, why, and the solution so far.
+#[derive(Clone)]
+pub struct Stopped<Y: State> {
+    pub t: RealOf<Y>,
+    /// The step size that was being tried.
+    pub h: RealOf<Y>,
+    pub why: Why,
+    /// Everything computed before; its `t` and `y` are those of the last accepted step.
+    pub solution: Box<Solution<Y>>,
+}
+
+impl<Y: State> fmt::Display for Stopped<Y> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match &self.why {
+            Why::Invalid(what) => f.write_str(what),
+            why => write!(f, "stopped at t = {}, h = {}: {why}", self.t, self.h),
+        }
+    }
+}
+
+impl<Y: State> fmt::Debug for Stopped<Y> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "Stopped({self}; {:?})", self.solution.stats)
+    }
+}
+
+impl<Y: State> std::error::Error for Stopped<Y> {}
+
+/// The first component that is a NaN or an infinity.
+pub(crate) fn first_non_finite<Y: State>(y: &Y) -> Option<usize> {
+    use crate::step::scalar::Scalar;
+    y.as_slice().iter().position(|x| !x.finite())
+}
+
+impl fmt::Display for crate::tableau::DoubleDouble {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}", self.to_f64())
+    }
+}

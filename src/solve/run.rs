@@ -1,0 +1,286 @@
+//! The loop: from a start to an end, step by step, fixed or adaptive.
+
+use super::control::Control;
+use super::outcome::{Stats, Why, first_non_finite};
+use super::watch::{Flow, Watch};
+use crate::step::method::{Known, Method};
+use crate::step::norm::Tolerance;
+use crate::step::row::form_of;
+use crate::step::scalar::{Arith, Real, Scalar};
+use crate::step::state::{RealOf, State};
+use crate::step::stepper::Stepper;
+use crate::step::system::System;
+use num_traits::Zero;
+
+/// How the step is chosen: a type, so that only one of the two loops is compiled into a run.
+pub trait Pace {
+    const ADAPTIVE: bool;
+}
+
+/// Steps of one size.
+#[derive(Clone, Copy, Debug)]
+pub struct Fixed;
+/// Steps chosen from the error estimate.
+#[derive(Clone, Copy, Debug)]
+pub struct Adaptive;
+
+impl Pace for Fixed {
+    const ADAPTIVE: bool = false;
+}
+
+impl Pace for Adaptive {
+    const ADAPTIVE: bool = true;
+}
+
+/// Limits and tolerances of a run.
+#[derive(Clone)]
+pub(crate) struct Rules<R> {
+    pub tolerance: Tolerance<R>,
+    pub min_step: R,
+    pub max_step: R,
+    pub max_steps: u64,
+    /// Take the step that the last but one error asks for, so that no step waits for its own error.
+    pub late: bool,
+}
+
+/// A stretch of a run without breaks: everything the loop works on.
+pub(crate) struct Leg<M: Method, Y: State, S> {
+    pub stepper: Stepper<M, Y>,
+    pub system: S,
+    pub t: RealOf<Y>,
+    pub end: RealOf<Y>,
+    /// Signed. Fixed: the size of all steps; adaptive: of the next one.
+    pub h: RealOf<Y>,
+    /// Fixed: `t = origin + index h`, up to `steps`.
+    pub origin: RealOf<Y>,
+    pub index: u64,
+    pub steps: u64,
+    /// Adaptive: what rounding took from t so far.
+    pub lost: RealOf<Y>,
+    pub control: Control,
+    pub stats: Stats,
+    /// F_0 is there before the first attempt.
+    pub known: bool,
+    /// The size of the last accepted step.
+    pub last: RealOf<Y>,
+}
+
+/// How a leg ended.
+pub(crate) enum Ended {
+    Reached,
+    /// The observer or an event asked for it.
+    Stopped,
+    /// An event changed the state: a new leg begins at the leg's `t`.
+    Changed,
+    Failed(Why),
+}
+
+/// Runs to the end of the leg. It owns the leg: a stepper behind a reference would live in memory, and
+/// what is stored by component and read as a pair waits for the store.
+#[inline(always)]
+pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
+    leg: Leg<M, Y, S>,
+    rules: &Rules<RealOf<Y>>,
+    watch: &mut Watch<'_, Y>,
+) -> (Leg<M, Y, S>, Ended) {
+    let Leg { mut stepper, mut system, mut t, end, mut h, .. } = leg;
+    let Leg { origin, mut index, steps, mut lost, mut control, mut stats, mut known, mut last, .. } = leg;
+    let form = form_of(&stepper.method);
+    let (stages, first_is_copy) = if const { Known::<M>::UNROLLED } {
+        (const { Known::<M>::FORM.s as u64 }, const { Known::<M>::FORM.stage[0].copies() })
+    } else {
+        (form.s as u64, form.stage[0].copies())
+    };
+    let forward = end > t;
+    let mut before = h;
+    let watching = watch.active();
+    let ended = loop {
+        if P::ADAPTIVE && stats.accepted + stats.rejected.total() >= rules.max_steps {
+            break Ended::Failed(Why::TooManySteps { attempts: rules.max_steps });
+        }
+        // The time after this step, exact where it is the end.
+        let (step, next, lands) = if P::ADAPTIVE {
+            let left = end - t;
+            let lands = left.modulus() <= h.modulus() * RealOf::<Y>::from_f64(1.0 + 1e-3);
+            if lands {
+                (left, end, true)
+            } else {
+                if h.modulus() <= rules.min_step.maximum(t.ulp() * RealOf::<Y>::from_f64(4.0)) {
+                    break Ended::Failed(Why::StepTooSmall { limiting: stats.limiting });
+                }
+                (h, t + (h + lost), false)
+            }
+        } else {
+            let lands = index + 1 == steps;
+            (h, if lands { end } else { origin + RealOf::<Y>::from_f64((index + 1) as f64) * h }, lands)
+        };
+
+        let attempted = stepper.attempt::<A, S>(&mut system, t, step, known);
+        stats.evaluations += stages - u64::from(known && first_is_copy);
+        // A second try finds the first slope in place; a step that failed in its first stage does not.
+        known = false;
+
+        let mut square = 0.0;
+        let good = attempted.is_ok()
+            && if P::ADAPTIVE {
+                square = stepper.error_square::<A>(step, &rules.tolerance).to_f64();
+                square <= 1.0
+            } else {
+                stepper.next(0).as_slice().iter().all(|x| x.finite())
+            };
+        if !good {
+            match attempted {
+                Err(refused) => {
+                    stats.rejected.domain += 1;
+                    stats.evaluations -= stages - 1 - refused.stage as u64;
+                    known = refused.stage > 0 && first_is_copy;
+                    if !P::ADAPTIVE {
+                        break Ended::Failed(Why::OutOfDomain { stage: refused.stage });
+                    }
+                    h = step * RealOf::<Y>::from_f64(control.refused());
+                }
+                Ok(()) if !P::ADAPTIVE => {
+                    stats.rejected.non_finite += 1;
+                    break Ended::Failed(lend(&stepper, |s| not_finite(s)));
+                }
+                Ok(()) => {
+                    if square.is_finite() {
+                        stats.rejected.error += 1;
+                        stats = lend(&stepper, |s| vote(stats, s, step, &rules.tolerance));
+                    } else {
+                        stats.rejected.non_finite += 1;
+                    }
+                    known = first_is_copy && lend(&stepper, |s| first_slope_is_finite(s));
+                    h = step * RealOf::<Y>::from_f64(control.rejected(square));
+                }
+            }
+            before = h;
+            // A landing step that fails may leave a step below the limit: the test above stops it next time.
+            if h.modulus() <= t.ulp() * RealOf::<Y>::from_f64(4.0) {
+                break Ended::Failed(match attempted {
+                    Err(refused) => Why::OutOfDomain { stage: refused.stage },
+                    Ok(()) if !square.is_finite() => lend(&stepper, |s| not_finite(s)),
+                    Ok(()) => Why::StepTooSmall { limiting: stats.limiting },
+                });
+            }
+            continue;
+        }
+
+        let mut flow = Flow::Go;
+        if watching {
+            let evaluations;
+            (flow, evaluations) = lend(&stepper, |s| watch.show(s, &mut system, t, step, next));
+            stats.evaluations += evaluations;
+            match flow {
+                Flow::Go | Flow::Stop => {}
+                Flow::Retry => {
+                    stats.rejected.domain += 1;
+                    if !P::ADAPTIVE {
+                        break Ended::Failed(Why::OutOfDomain { stage: stages as usize });
+                    }
+                    known = first_is_copy;
+                    h = step * RealOf::<Y>::from_f64(control.refused());
+                    before = h;
+                    continue;
+                }
+                Flow::Change(at) => {
+                    (t, last) = (at, step);
+                    stats.accepted += 1;
+                    break Ended::Changed;
+                }
+            }
+        }
+        stepper.accept();
+        if watching && first_is_copy && let Some(slope) = watch.end_slope() {
+            let r = form_of(&stepper.method).r;
+            stepper.words_mut()[r].as_mut_slice().copy_from_slice(slope.as_slice());
+            known = true;
+        }
+        stats.accepted += 1;
+        last = step;
+        if P::ADAPTIVE {
+            lost = (step - (next - t)) + if lands { RealOf::<Y>::zero() } else { lost };
+            let factor = RealOf::<Y>::from_f64(control.accepted(square));
+            let fresh = if lands { (step * factor).modulus().maximum(h.modulus()) } else { (step * factor).modulus() };
+            let fresh = fresh.minimum(rules.max_step);
+            let fresh = if forward { fresh } else { -fresh };
+            h = if rules.late { before } else { fresh };
+            before = fresh;
+        } else {
+            index += 1;
+        }
+        t = next;
+        match flow {
+            Flow::Stop => break Ended::Stopped,
+            _ if lands => break Ended::Reached,
+            _ => {}
+        }
+    };
+    (Leg { stepper, system, t, end, h, origin, index, steps, lost, control, stats, known, last }, ended)
+}
+
+/// Shows the stepper to a function that is not inlined: a copy where it lives in registers, since an
+/// address that escapes would keep it in memory; itself where the vectors are on the heap anyway.
+#[inline(always)]
+fn lend<M: Method, Y: State, T>(stepper: &Stepper<M, Y>, to: impl FnOnce(&Stepper<M, Y>) -> T) -> T {
+    if const { Y::INLINE } {
+        let copy = stepper.clone();
+        to(&copy)
+    } else {
+        to(stepper)
+    }
+}
+
+/// Names the stage and the component where the first NaN or infinity arose.
+#[cold]
+#[inline(never)]
+fn not_finite<M: Method, Y: State>(stepper: &Stepper<M, Y>) -> Why {
+    let form = stepper.form();
+    for stage in 0..form.s {
+        if let Some(component) = first_non_finite(stepper.word(form.r + stage)) {
+            return Why::NonFinite { component, stage: Some(stage) };
+        }
+    }
+    Why::NonFinite { component: first_non_finite(stepper.next(0)).unwrap_or(0), stage: None }
+}
+
+#[cold]
+#[inline(never)]
+fn first_slope_is_finite<M: Method, Y: State>(stepper: &Stepper<M, Y>) -> bool {
+    first_non_finite(stepper.word(stepper.form().r)).is_none()
+}
+
+/// Boyer and Moore's majority vote over the components that dominate rejected steps.
+#[cold]
+#[inline(never)]
+fn vote<M: Method, Y: State>(
+    mut stats: Stats,
+    stepper: &Stepper<M, Y>,
+    h: RealOf<Y>,
+    tolerance: &Tolerance<RealOf<Y>>,
+) -> Stats {
+    let form = stepper.form();
+    let (x, y0, y1) = (stepper.read(), stepper.y().as_slice(), stepper.next(0).as_slice());
+    let row = &form.error[0];
+    let mut worst = (0, RealOf::<Y>::zero());
+    for i in 0..y0.len() {
+        let mut e = Y::Scalar::zero();
+        for j in 0..row.len {
+            e = e + x[row.at[j]].as_slice()[i].scale(h * RealOf::<Y>::of(row.a[j]));
+        }
+        let (rtol, atol) = tolerance.at(i);
+        let ratio = e.modulus() / (atol + rtol * y0[i].modulus().maximum(y1[i].modulus()));
+        if ratio > worst.1 {
+            worst = (i, ratio);
+        }
+    }
+    if stats.limiting == Some(worst.0) {
+        stats.votes += 1;
+    } else if stats.votes == 0 {
+        stats.limiting = Some(worst.0);
+        stats.votes = 1;
+    } else {
+        stats.votes -= 1;
+    }
+    stats
+}

@@ -1,0 +1,471 @@
+//! A run from leg to leg: between breaks and events, with a start at each.
+
+use super::control::{Control, Controller};
+use super::dense::Dense;
+use super::ivp::{Ivp, Options};
+use super::outcome::{Solution, Stats, Stopped, Why, first_non_finite};
+use super::run::{Ended, Leg, Pace, Rules, drive};
+use super::start::{History, fill, first_step, starter, steps_behind};
+use super::watch::{Flow, Watch};
+use crate::step::method::Method;
+use crate::step::norm::Tolerance;
+use crate::step::row::form_of;
+use crate::step::scalar::{Fused, Plain, Real, Scalar};
+use crate::step::state::{RealOf, State};
+use crate::step::stepper::Stepper;
+use crate::step::system::System;
+use crate::tableau::Meaning;
+use num_traits::{One, Zero};
+use std::marker::PhantomData;
+
+/// A run in progress. As an iterator it gives the time and the state after each accepted step, and at
+/// last, if it stopped early, why.
+pub struct Steps<'w, Y: State, S, M: Method, P> {
+    method: M,
+    /// Lent to a leg while it runs.
+    system: Option<S>,
+    leg: Option<Leg<M, Y, S>>,
+    t: RealOf<Y>,
+    y: Y,
+    v: Option<Y>,
+    h: RealOf<Y>,
+    end: RealOf<Y>,
+    /// Times at which a leg ends, the next one last.
+    stops: Vec<RealOf<Y>>,
+    rules: Rules<RealOf<Y>>,
+    controller: Controller,
+    options: Options<'w, Y>,
+    watch: Watch<'w, Y>,
+    stats: Stats,
+    invalid: Option<String>,
+    done: bool,
+    pace: PhantomData<P>,
+}
+
+impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
+    pub(crate) fn new(ivp: Ivp<'w, Y, S, M, P>) -> Self {
+        const {
+            assert!(M::READ || M::FORM.is_some(), "this method cannot be stepped yet: its stages are implicit");
+            if let Some(form) = M::FORM {
+                assert!(!P::ADAPTIVE || form.errors > 0, "no error estimate: give a step with `.step(h)`");
+            }
+        }
+        let Ivp { system, y0, v0, span, method, mut options, .. } = ivp;
+        let invalid = super::check::check::<M, Y, P>(&method, &y0, v0.as_ref(), &span, &options);
+        let (t, end) = (span.start, span.end);
+        let form = form_of(&method);
+        let stops = stops(t, end, &options.breaks);
+        let tiny = |x: RealOf<Y>| x.maximum(RealOf::<Y>::TINY);
+        let tolerance = match &options.tolerance {
+            Tolerance::Scalar { rtol, atol } => Tolerance::Scalar { rtol: *rtol, atol: tiny(*atol) },
+            Tolerance::Each(each) => Tolerance::Each(each.iter().map(|&(r, a)| (r, tiny(a))).collect()),
+        };
+        let rules = Rules {
+            tolerance,
+            min_step: options.min_step,
+            max_step: options.max_step.unwrap_or((end - t).modulus()),
+            max_steps: options.max_steps,
+            late: options.late,
+        };
+        let watch = Watch {
+            times: std::mem::take(&mut options.times),
+            next: 0,
+            every_step: options.every_step,
+            one_by_one: false,
+            ts: vec![],
+            ys: vec![],
+            vs: vec![],
+            observer: options.observer.take(),
+            events: std::mem::take(&mut options.events),
+            occurrences: vec![],
+            landed: None,
+            stopped_by: None,
+            dense: Dense::new(form, &y0),
+            second_order: form.d == 2,
+        };
+        let controller = options.controller.unwrap_or(Controller::default_of(form.order));
+        let stats = Stats::default();
+        let h = RealOf::<Y>::zero();
+        let mut run = Self {
+            method,
+            system: Some(system),
+            leg: None,
+            t,
+            y: y0,
+            v: v0,
+            h,
+            end,
+            stops,
+            rules,
+            controller,
+            options,
+            watch,
+            stats,
+            invalid,
+            done: false,
+            pace: PhantomData,
+        };
+        if run.invalid.is_none() && run.watch.every_step {
+            run.save_here();
+        }
+        run
+    }
+
+    /// Runs to the end.
+    pub(crate) fn finish(mut self) -> Result<Solution<Y>, Stopped<Y>> {
+        while !self.done {
+            if let Err(why) = self.advance() {
+                return Err(self.stopped(why));
+            }
+        }
+        Ok(self.solution())
+    }
+
+    fn stopped(&mut self, why: Why) -> Stopped<Y> {
+        self.done = true;
+        Stopped { t: self.t, h: self.h, why, solution: Box::new(self.solution()) }
+    }
+
+    fn solution(&mut self) -> Solution<Y> {
+        let watch = &mut self.watch;
+        Solution {
+            t: self.t,
+            y: self.y.clone(),
+            v: self.v.clone(),
+            ts: std::mem::take(&mut watch.ts),
+            ys: std::mem::take(&mut watch.ys),
+            vs: std::mem::take(&mut watch.vs),
+            events: std::mem::take(&mut watch.occurrences),
+            stats: self.stats,
+            h: self.h,
+            interpolant: watch.dense.interpolant,
+        }
+    }
+
+    /// Runs until something happens: the end of a leg, or one step where they are taken one by one.
+    fn advance(&mut self) -> Result<(), Why> {
+        if let Some(text) = self.invalid.take() {
+            return Err(Why::Invalid(text));
+        }
+        while self.watch.next < self.watch.times.len() && self.watch.times[self.watch.next] == self.t {
+            self.save_here();
+            self.watch.next += 1;
+        }
+        let leg = match self.leg.take() {
+            Some(leg) => leg,
+            None => match self.stops.last() {
+                Some(&stop) => match self.begin(stop)? {
+                    Some(leg) => leg,
+                    None => return Ok(()),
+                },
+                None => {
+                    self.done = true;
+                    return Ok(());
+                }
+            },
+        };
+        let (leg, ended) = run_leg::<M, Y, S, P>(leg, &self.rules, &mut self.watch);
+        self.stats = leg.stats;
+        (self.t, self.h) = (leg.t, if leg.stats.accepted > 0 { leg.last } else { leg.h });
+        if let Ended::Changed = ended {
+            if let Some((y, v)) = self.watch.landed.take() {
+                (self.y, self.v) = (y, v);
+            }
+            self.system = Some(leg.system);
+            self.watch.dense.forget();
+            self.done = self.watch.stopped_by.is_some();
+            return self.guard_against_endless_events();
+        }
+        self.y.as_mut_slice().copy_from_slice(leg.stepper.y().as_slice());
+        match ended {
+            Ended::Stopped if self.watch.one_by_one => {
+                self.leg = Some(leg);
+                return Ok(());
+            }
+            Ended::Reached => self.t = self.stops.pop().unwrap_or(leg.t),
+            Ended::Stopped => self.done = true,
+            Ended::Failed(_) | Ended::Changed => {}
+        }
+        self.velocity_here(leg);
+        self.watch.dense.forget();
+        match ended {
+            Ended::Failed(why) => {
+                self.h = if P::ADAPTIVE { self.h } else { self.options.step.unwrap_or(self.h) };
+                Err(why)
+            }
+            _ => {
+                self.done |= self.stops.is_empty() && self.watch_is_served();
+                Ok(())
+            }
+        }
+    }
+
+    /// No requested time is left at the end of the span.
+    fn watch_is_served(&mut self) -> bool {
+        while self.watch.next < self.watch.times.len() && self.watch.times[self.watch.next] == self.t {
+            self.save_here();
+            self.watch.next += 1;
+        }
+        true
+    }
+
+    fn save_here(&mut self) {
+        self.watch.ts.push(self.t);
+        self.watch.ys.push(self.y.clone());
+        self.watch.vs.extend(self.v.clone());
+    }
+
+    /// The velocity at the end of a leg of y'' = f(t, y): carried, or `(x_n - x_(n-1))/h + h/2 f_n`.
+    fn velocity_here(&mut self, leg: Leg<M, Y, S>) {
+        let Leg { stepper, mut system, t, h, mut stats, .. } = leg;
+        let form = form_of(&stepper.method);
+        if form.d == 2 {
+            let find = |meaning| (0..form.r).find(|&j| form.means[j] == meaning);
+            if let Some(j) = find(Meaning::V) {
+                self.v = Some(stepper.word(j).clone());
+            } else if let Some(j) = find(Meaning::Y(1))
+                && stats.accepted > 0
+            {
+                let (x, old) = (stepper.y(), stepper.word(j));
+                let mut v = x.clone();
+                stats.evaluations += 1;
+                if system.rhs(t, x, &mut v).is_ok() {
+                    let (per, half) = (RealOf::<Y>::one() / h, RealOf::<Y>::from_f64(0.5) * h);
+                    for ((v, &x), &old) in v.as_mut_slice().iter_mut().zip(x.as_slice()).zip(old.as_slice()) {
+                        *v = (x - old).scale(per) + v.scale(half);
+                    }
+                    self.v = Some(v);
+                }
+            }
+        }
+        self.stats = stats;
+        self.system = Some(system);
+    }
+
+    /// Sets out for `stop` from where the run is. None where the starting steps already reached it.
+    fn begin(&mut self, stop: RealOf<Y>) -> Result<Option<Leg<M, Y, S>>, Why> {
+        let Some(mut system) = self.system.take() else { return Ok(None) };
+        let mut stepper = Stepper::new(self.method.clone(), &self.y);
+        let form = *form_of(&stepper.method);
+        // A break is met a few spacings early, where f still has its left value.
+        let nudge = stop.ulp() * RealOf::<Y>::from_f64(4.0);
+        let end = match stop == self.end {
+            true => stop,
+            false if stop > self.t => stop - nudge,
+            false => stop + nudge,
+        };
+        let (mut steps, mut h) = (0, RealOf::<Y>::zero());
+        if !P::ADAPTIVE {
+            let size = self.options.step.unwrap_or(end - self.t);
+            let span = end - self.t;
+            steps = (span.modulus() / size.modulus()).to_f64().round().max(1.0) as u64;
+            h = span / RealOf::<Y>::from_f64(steps as f64);
+        }
+        let origin = self.t;
+        let mut history = History { ys: vec![self.y.clone()], slopes: vec![] };
+        let behind = (steps_behind(&form) as u64).min(steps);
+        if behind > 0 {
+            let mut first = Stepper::new(self.options.starter.clone().unwrap_or_else(|| starter(&form)), &self.y);
+            let lone = History { ys: vec![self.y.clone()], slopes: vec![] };
+            let refused = |r: crate::step::stepper::Refused| Why::OutOfDomain { stage: r.stage };
+            self.stats.evaluations +=
+                fill(&mut first, &mut system, self.t, &lone, self.v.as_ref()).map_err(refused)?;
+            for i in 0..behind {
+                let mut slope = self.y.clone();
+                system.rhs(self.t, first.y(), &mut slope).map_err(|_| Why::OutOfDomain { stage: 0 })?;
+                history.slopes.push(slope);
+                first.attempt::<Plain, S>(&mut system, self.t, h, false).map_err(refused)?;
+                self.stats.evaluations += 1 + first.form().s as u64;
+                if let Some(component) = first_non_finite(first.next(0)) {
+                    return Err(Why::NonFinite { component, stage: None });
+                }
+                let next =
+                    if i + 1 == steps { end } else { origin + RealOf::<Y>::from_f64((i + 1) as f64) * h };
+                if self.watch.active() {
+                    let (flow, evaluations) = self.watch.show(&first, &mut system, self.t, h, next);
+                    self.stats.evaluations += evaluations;
+                    self.watch.dense.forget();
+                    match flow {
+                        Flow::Go => {}
+                        Flow::Retry => return Err(Why::OutOfDomain { stage: 0 }),
+                        Flow::Stop if self.watch.one_by_one => {}
+                        Flow::Stop => self.done = true,
+                        Flow::Change(at) => {
+                            if let Some((y, v)) = self.watch.landed.take() {
+                                (self.t, self.y, self.v) = (at, y, v);
+                            }
+                            self.done = self.watch.stopped_by.is_some();
+                            self.system = Some(system);
+                            self.guard_against_endless_events()?;
+                            return Ok(None);
+                        }
+                    }
+                }
+                first.accept();
+                self.stats.accepted += 1;
+                (self.t, self.h) = (next, h);
+                self.y.as_mut_slice().copy_from_slice(first.y().as_slice());
+                history.ys.push(self.y.clone());
+                let form = *first.form();
+                if let Some(j) = (0..form.r).find(|&j| form.means[j] == Meaning::V) {
+                    self.v = Some(first.word(j).clone());
+                }
+                if self.done || i + 1 == steps {
+                    self.system = Some(system);
+                    if !self.done {
+                        self.t = self.stops.pop().unwrap_or(stop);
+                        self.done = self.stops.is_empty();
+                    }
+                    return Ok(None);
+                }
+            }
+        }
+        self.stats.evaluations += fill(&mut stepper, &mut system, self.t, &history, self.v.as_ref())
+            .map_err(|_| Why::OutOfDomain { stage: 0 })?;
+
+        let mut known = false;
+        if P::ADAPTIVE {
+            let at = match (0..form.r).find(|&j| form.means[j] == Meaning::F(0)) {
+                Some(j) => j,
+                None => {
+                    known = form.stage[0].copies();
+                    let slope = &mut stepper.words_mut()[form.r];
+                    system.rhs(self.t, &self.y, slope).map_err(|_| Why::OutOfDomain { stage: 0 })?;
+                    self.stats.evaluations += 1;
+                    form.r
+                }
+            };
+            let slope = stepper.word(at);
+            if let Some(component) = first_non_finite(slope) {
+                return Err(Why::NonFinite { component, stage: Some(0) });
+            }
+            let order = form.order.min(form.embedded[0].max(form.embedded[1]));
+            h = match self.options.step.take() {
+                Some(size) => {
+                    let size = size.modulus().minimum(self.rules.max_step);
+                    if end > self.t { size } else { -size }
+                }
+                None => {
+                    let span = (self.t, end);
+                    first_step(&mut system, span, &self.y, slope, order, &self.rules, &mut self.stats)
+                }
+            };
+        }
+        Ok(Some(Leg {
+            stepper,
+            system,
+            t: self.t,
+            end,
+            h,
+            origin,
+            index: behind,
+            steps,
+            lost: RealOf::<Y>::zero(),
+            control: Control::new(self.controller, estimate_order(&form)),
+            stats: self.stats,
+            known,
+            last: h,
+        }))
+    }
+
+    /// A ball that comes to rest bounces without end: the times between its events shrink to nothing.
+    fn guard_against_endless_events(&mut self) -> Result<(), Why> {
+        let occurred = &self.watch.occurrences;
+        let Some(last) = occurred.last() else { return Ok(()) };
+        let before = occurred.iter().rev().skip(1).filter(|o| o.event == last.event).nth(7);
+        match before {
+            Some(o) if (last.t - o.t).modulus() <= last.t.ulp() * RealOf::<Y>::from_f64(1e5) => {
+                Err(Why::TooManyEvents { event: last.event })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The power of h in the error estimate; of two embedded rows of different order, that of DOP853's
+/// combination e1^2 / sqrt(e1^2 + 0.01 e2^2).
+fn estimate_order(form: &crate::tableau::Form) -> usize {
+    let of = |k: usize| form.embedded[k].min(form.order) + 1;
+    match form.errors {
+        2 if form.embedded[0] != form.embedded[1] => 2 * of(0) - of(1),
+        0 => form.order + 1,
+        _ => of(0),
+    }
+}
+
+/// The breaks inside the span and its end, in reverse order; those closer than a few spacings are one.
+fn stops<R: Real>(start: R, end: R, breaks: &[R]) -> Vec<R> {
+    let mut stops: Vec<R> = vec![];
+    if start == end {
+        return stops;
+    }
+    let inside = |b: &&R| if end > start { **b > start && **b < end } else { **b < start && **b > end };
+    let mut sorted: Vec<R> = breaks.iter().filter(inside).copied().collect();
+    sorted.sort_by(|a, b| {
+        let order = a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal);
+        if end > start { order } else { order.reverse() }
+    });
+    let apart = |a: R, b: R| (a - b).modulus() > a.modulus().maximum(b.modulus()) * R::EPSILON * R::from_f64(32.0);
+    for b in sorted {
+        if apart(b, end) && apart(b, *stops.last().unwrap_or(&start)) {
+            stops.push(b);
+        }
+    }
+    stops.push(end);
+    stops.reverse();
+    stops
+}
+
+/// Runs a leg with the widest arithmetic that keeps its promise: adaptive steps may fuse products and
+/// sums; fixed steps give the same bits on every machine, so only long vectors are dispatched, unfused.
+fn run_leg<M: Method, Y: State, S: System<Y>, P: Pace>(
+    leg: Leg<M, Y, S>,
+    rules: &Rules<RealOf<Y>>,
+    watch: &mut Watch<'_, Y>,
+) -> (Leg<M, Y, S>, Ended) {
+    #[cfg(target_arch = "x86_64")]
+    if (P::ADAPTIVE || !Y::INLINE)
+        && let Some(simd) = pulp::x86::V3::try_new()
+    {
+        return simd.vectorize(Wide::<'_, '_, M, Y, S, P> { leg, rules, watch, pace: PhantomData });
+    }
+    drive::<Plain, P, M, Y, S>(leg, rules, watch)
+}
+
+#[cfg(target_arch = "x86_64")]
+struct Wide<'a, 'w, M: Method, Y: State, S, P> {
+    leg: Leg<M, Y, S>,
+    rules: &'a Rules<RealOf<Y>>,
+    watch: &'a mut Watch<'w, Y>,
+    pace: PhantomData<P>,
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<M: Method, Y: State, S: System<Y>, P: Pace> pulp::NullaryFnOnce for Wide<'_, '_, M, Y, S, P> {
+    type Output = (Leg<M, Y, S>, Ended);
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        if const { P::ADAPTIVE } {
+            drive::<Fused, P, M, Y, S>(self.leg, self.rules, self.watch)
+        } else {
+            drive::<Plain, P, M, Y, S>(self.leg, self.rules, self.watch)
+        }
+    }
+}
+
+impl<Y: State, S: System<Y>, M: Method, P: Pace> Iterator for Steps<'_, Y, S, M, P> {
+    type Item = Result<(RealOf<Y>, Y), Stopped<Y>>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.watch.one_by_one = true;
+        let accepted = self.stats.accepted;
+        while !self.done {
+            match self.advance() {
+                Err(why) => return Some(Err(self.stopped(why))),
+                Ok(()) if self.stats.accepted > accepted => return Some(Ok((self.t, self.y.clone()))),
+                Ok(()) => {}
+            }
+        }
+        None
+    }
+}

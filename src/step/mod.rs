@@ -1,0 +1,9 @@
+//! One step of any method: what a state is, how a row is worked out, the one stepper.
+
+pub(crate) mod method;
+pub(crate) mod norm;
+pub(crate) mod row;
+pub(crate) mod scalar;
+pub(crate) mod state;
+pub(crate) mod stepper;
+pub(crate) mod system;

@@ -1,0 +1,313 @@
+//! What can be stepped: arrays, nalgebra vectors, faer columns and `Vec`, through one kernel.
+
+use super::norm::Tolerance;
+use super::scalar::{Arith, Real, Scalar};
+use num_traits::{One, Zero};
+
+/// The real numbers of a state: its times, steps, tolerances.
+pub type RealOf<Y> = <<Y as State>::Scalar as Scalar>::Real;
+
+/// A state of a system: a contiguous run of numbers.
+pub trait State: Clone {
+    type Scalar: Scalar;
+    /// Held by value, without the heap.
+    const INLINE: bool;
+
+    fn as_slice(&self) -> &[Self::Scalar];
+    fn as_mut_slice(&mut self) -> &mut [Self::Scalar];
+
+    /// `self = base + sum_j a(j) x(j)`, j < K, in one pass.
+    fn combine<'a, A: Arith, const K: usize>(
+        &mut self,
+        base: Option<&'a Self>,
+        a: impl Fn(usize) -> RealOf<Self>,
+        x: impl Fn(usize) -> &'a Self,
+    ) where
+        Self: 'a;
+
+    /// The sum over components of the square of `sum_j a(j) x(j)` over its tolerance, for a step from
+    /// `y0` to `self`.
+    fn error_square<'a, A: Arith, const K: usize>(
+        &self,
+        y0: &Self,
+        tolerance: &Tolerance<RealOf<Self>>,
+        a: impl Fn(usize) -> RealOf<Self>,
+        x: impl Fn(usize) -> &'a Self,
+    ) -> RealOf<Self>
+    where
+        Self: 'a;
+
+    /// Takes over what `from` holds, and may leave there whatever it held itself.
+    fn take(&mut self, from: &mut Self);
+}
+
+/// Component by component, all terms of one before the next: one pass over memory.
+#[inline(always)]
+fn combine_long<'a, A: Arith, T: Scalar, const K: usize>(
+    out: &mut [T],
+    base: Option<&'a [T]>,
+    a: impl Fn(usize) -> T::Real,
+    x: impl Fn(usize) -> &'a [T],
+) {
+    let n = out.len();
+    let a: [T::Real; K] = std::array::from_fn(&a);
+    let x: [&[T]; K] = std::array::from_fn(|j| &x(j)[..n]);
+    let sum = |i: usize| {
+        let mut s = T::NEG_ZERO;
+        for j in 0..K {
+            // Every slice was cut to n above, so no bounds are checked here.
+            s = if j == 0 { x[j][i].scale(a[j]) } else { A::term(a[j], x[j][i], s) };
+        }
+        s
+    };
+    match base {
+        Some(base) => {
+            let base = &base[..n];
+            for i in 0..n {
+                out[i] = base[i] + sum(i);
+            }
+        }
+        None => {
+            for (i, out) in out.iter_mut().enumerate() {
+                *out = sum(i);
+            }
+        }
+    }
+}
+
+/// Term by term over a few components that all stay in registers.
+#[inline(always)]
+fn combine_short<'a, A: Arith, T: Scalar, const N: usize, const K: usize>(
+    out: &mut [T; N],
+    base: Option<&'a [T; N]>,
+    a: impl Fn(usize) -> T::Real,
+    x: impl Fn(usize) -> &'a [T; N],
+) {
+    let mut s = [T::NEG_ZERO; N];
+    for j in 0..K {
+        let (a, x) = (a(j), x(j));
+        for i in 0..N {
+            s[i] = if j == 0 { x[i].scale(a) } else { A::term(a, x[i], s[i]) };
+        }
+    }
+    if let Some(base) = base {
+        for i in 0..N {
+            s[i] = base[i] + s[i];
+        }
+    }
+    *out = s;
+}
+
+/// The square of one component's error over its tolerance.
+#[inline(always)]
+fn ratio_square<T: Scalar>(e: T, y0: T, y1: T, (rtol, atol): (T::Real, T::Real)) -> T::Real {
+    // A NaN in y1 passes through this maximum; `f64::max` would drop it.
+    let weight = atol + rtol * y0.modulus().maximum(y1.modulus());
+    e.scale(T::Real::one() / weight).square()
+}
+
+/// Eight sums side by side, so that no addition waits for the one before.
+const LANES: usize = 8;
+
+#[inline(always)]
+fn error_square_long<'a, A: Arith, T: Scalar, const K: usize>(
+    y0: &[T],
+    y1: &[T],
+    tolerance: &Tolerance<T::Real>,
+    a: impl Fn(usize) -> T::Real,
+    x: impl Fn(usize) -> &'a [T],
+) -> T::Real {
+    let n = y0.len();
+    let y1 = &y1[..n];
+    let a: [T::Real; K] = std::array::from_fn(&a);
+    let x: [&[T]; K] = std::array::from_fn(|j| &x(j)[..n]);
+    let error = |i: usize| {
+        let mut s = T::NEG_ZERO;
+        for j in 0..K {
+            s = if j == 0 { x[j][i].scale(a[j]) } else { A::term(a[j], x[j][i], s) };
+        }
+        s
+    };
+    let mut sums = [T::Real::zero(); LANES];
+    let whole = n - n % LANES;
+    match tolerance {
+        Tolerance::Scalar { rtol, atol } => {
+            for block in (0..whole).step_by(LANES) {
+                for (lane, sum) in sums.iter_mut().enumerate() {
+                    let i = block + lane;
+                    *sum = *sum + ratio_square(error(i), y0[i], y1[i], (*rtol, *atol));
+                }
+            }
+            for i in whole..n {
+                sums[0] = sums[0] + ratio_square(error(i), y0[i], y1[i], (*rtol, *atol));
+            }
+        }
+        Tolerance::Each(each) => {
+            for (i, &tolerance) in each.iter().enumerate().take(n) {
+                sums[i % LANES] = sums[i % LANES] + ratio_square(error(i), y0[i], y1[i], tolerance);
+            }
+        }
+    }
+    sums.iter().fold(T::Real::zero(), |s, &x| s + x)
+}
+
+#[inline(always)]
+fn error_square_short<'a, A: Arith, T: Scalar, const N: usize, const K: usize>(
+    y0: &[T; N],
+    y1: &[T; N],
+    tolerance: &Tolerance<T::Real>,
+    a: impl Fn(usize) -> T::Real,
+    x: impl Fn(usize) -> &'a [T; N],
+) -> T::Real {
+    let mut e = [T::NEG_ZERO; N];
+    combine_short::<A, T, N, K>(&mut e, None, a, x);
+    let mut sum = T::Real::zero();
+    for i in 0..N {
+        sum = sum + ratio_square(e[i], y0[i], y1[i], tolerance.at(i));
+    }
+    sum
+}
+
+/// Above this many components an array is worked through like a long vector.
+const SHORT: usize = 32;
+
+impl<T: Scalar, const N: usize> State for [T; N] {
+    type Scalar = T;
+    const INLINE: bool = true;
+    #[inline(always)]
+    fn as_slice(&self) -> &[T] {
+        self
+    }
+    #[inline(always)]
+    fn as_mut_slice(&mut self) -> &mut [T] {
+        self
+    }
+    #[inline(always)]
+    fn combine<'a, A: Arith, const K: usize>(
+        &mut self,
+        base: Option<&'a Self>,
+        a: impl Fn(usize) -> T::Real,
+        x: impl Fn(usize) -> &'a Self,
+    ) {
+        if const { N <= SHORT } {
+            combine_short::<A, T, N, K>(self, base, a, x);
+        } else {
+            combine_long::<A, T, K>(self, base.map(|b| b.as_slice()), a, |j| x(j).as_slice());
+        }
+    }
+    #[inline(always)]
+    fn error_square<'a, A: Arith, const K: usize>(
+        &self,
+        y0: &Self,
+        tolerance: &Tolerance<RealOf<Self>>,
+        a: impl Fn(usize) -> RealOf<Self>,
+        x: impl Fn(usize) -> &'a Self,
+    ) -> RealOf<Self> {
+        if const { N <= SHORT } {
+            error_square_short::<A, T, N, K>(y0, self, tolerance, a, x)
+        } else {
+            error_square_long::<A, T, K>(y0.as_slice(), self.as_slice(), tolerance, a, |j| x(j).as_slice())
+        }
+    }
+    #[inline(always)]
+    fn take(&mut self, from: &mut Self) {
+        *self = *from;
+    }
+}
+
+impl<T: Scalar + nalgebra::Scalar, const N: usize> State for nalgebra::SVector<T, N> {
+    type Scalar = T;
+    const INLINE: bool = true;
+    #[inline(always)]
+    fn as_slice(&self) -> &[T] {
+        self.as_slice()
+    }
+    #[inline(always)]
+    fn as_mut_slice(&mut self) -> &mut [T] {
+        self.as_mut_slice()
+    }
+    #[inline(always)]
+    fn combine<'a, A: Arith, const K: usize>(
+        &mut self,
+        base: Option<&'a Self>,
+        a: impl Fn(usize) -> T::Real,
+        x: impl Fn(usize) -> &'a Self,
+    ) {
+        // A column of N is one array of N.
+        let out = &mut self.data.0[0];
+        if const { N <= SHORT } {
+            combine_short::<A, T, N, K>(out, base.map(|b| &b.data.0[0]), a, |j| &x(j).data.0[0]);
+        } else {
+            combine_long::<A, T, K>(out, base.map(|b| b.as_slice()), a, |j| x(j).as_slice());
+        }
+    }
+    #[inline(always)]
+    fn error_square<'a, A: Arith, const K: usize>(
+        &self,
+        y0: &Self,
+        tolerance: &Tolerance<RealOf<Self>>,
+        a: impl Fn(usize) -> RealOf<Self>,
+        x: impl Fn(usize) -> &'a Self,
+    ) -> RealOf<Self> {
+        if const { N <= SHORT } {
+            error_square_short::<A, T, N, K>(&y0.data.0[0], &self.data.0[0], tolerance, a, |j| &x(j).data.0[0])
+        } else {
+            error_square_long::<A, T, K>(y0.as_slice(), self.as_slice(), tolerance, a, |j| x(j).as_slice())
+        }
+    }
+    #[inline(always)]
+    fn take(&mut self, from: &mut Self) {
+        self.data = from.data;
+    }
+}
+
+macro_rules! on_the_heap {
+    ($t:ty, $view:ident => $slice:expr, $mut_slice:expr) => {
+        impl<T: Scalar> State for $t {
+            type Scalar = T;
+            const INLINE: bool = false;
+            #[inline(always)]
+            fn as_slice(&self) -> &[T] {
+                let $view = self;
+                $slice
+            }
+            #[inline(always)]
+            fn as_mut_slice(&mut self) -> &mut [T] {
+                let $view = self;
+                $mut_slice
+            }
+            #[inline(always)]
+            fn combine<'a, A: Arith, const K: usize>(
+                &mut self,
+                base: Option<&'a Self>,
+                a: impl Fn(usize) -> T::Real,
+                x: impl Fn(usize) -> &'a Self,
+            ) {
+                let base = base.map(State::as_slice);
+                combine_long::<A, T, K>(State::as_mut_slice(self), base, a, |j| State::as_slice(x(j)));
+            }
+            #[inline(always)]
+            fn error_square<'a, A: Arith, const K: usize>(
+                &self,
+                y0: &Self,
+                tolerance: &Tolerance<RealOf<Self>>,
+                a: impl Fn(usize) -> RealOf<Self>,
+                x: impl Fn(usize) -> &'a Self,
+            ) -> RealOf<Self> {
+                let (y0, y1) = (State::as_slice(y0), State::as_slice(self));
+                error_square_long::<A, T, K>(y0, y1, tolerance, a, |j| State::as_slice(x(j)))
+            }
+            #[inline(always)]
+            fn take(&mut self, from: &mut Self) {
+                std::mem::swap(self, from);
+            }
+        }
+    };
+}
+on_the_heap!(Vec<T>, y => y.as_slice(), y.as_mut_slice());
+// An owned column is stored without gaps, so its slice is always there.
+on_the_heap!(
+    faer::Col<T>,
+    y => y.as_ref().try_as_col_major().expect("an owned column is contiguous").as_slice(),
+    y.as_mut().try_as_col_major_mut().expect("an owned column is contiguous").as_slice_mut()
+);

@@ -1,0 +1,51 @@
+//! The right-hand side: a closure or a struct.
+
+use super::state::{RealOf, State};
+
+/// The right-hand side refuses a point (a root of a negative number, a density below zero): the step
+/// is retried with a smaller size.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct OutOfDomain;
+
+impl std::fmt::Display for OutOfDomain {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str("the right-hand side is not defined at this point")
+    }
+}
+
+impl std::error::Error for OutOfDomain {}
+
+/// y' = f(t, y), or y'' = f(t, y) for second-order methods, written into `dy`.
+///
+/// Every closure `|t, y, dy|` is one; it may return nothing or `Result<(), OutOfDomain>`.
+pub trait System<Y: State> {
+    /// # Errors
+    /// [`OutOfDomain`] where f is not defined.
+    fn rhs(&mut self, t: RealOf<Y>, y: &Y, dy: &mut Y) -> Result<(), OutOfDomain>;
+}
+
+/// What a closure may answer: nothing, or whether the point was in the domain.
+pub trait Verdict {
+    fn verdict(self) -> Result<(), OutOfDomain>;
+}
+
+impl Verdict for () {
+    #[inline(always)]
+    fn verdict(self) -> Result<(), OutOfDomain> {
+        Ok(())
+    }
+}
+
+impl Verdict for Result<(), OutOfDomain> {
+    #[inline(always)]
+    fn verdict(self) -> Result<(), OutOfDomain> {
+        self
+    }
+}
+
+impl<Y: State, R: Verdict, F: FnMut(RealOf<Y>, &Y, &mut Y) -> R> System<Y> for F {
+    #[inline(always)]
+    fn rhs(&mut self, t: RealOf<Y>, y: &Y, dy: &mut Y) -> Result<(), OutOfDomain> {
+        self(t, y, dy).verdict()
+    }
+}
