@@ -1,5 +1,6 @@
 //! kutta
 pub mod methods;
+pub mod problems;
 mod solve;
 mod step;
 pub mod tableau;

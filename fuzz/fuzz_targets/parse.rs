@@ -6,7 +6,7 @@ use kutta::tableau::Tableau;
 
 libfuzzer_sys::fuzz_target!(|text: &str| {
     match Tableau::parse(text) {
-        Ok(tableau) => drop(tableau.form()),
+        Ok(tableau) => assert!(tableau.form().is_none_or(|form| form.s > 0)),
         Err(error) => assert!(!error.text.as_str().is_empty()),
     }
 });

@@ -7,14 +7,14 @@ use super::outcome::{Solution, Stats, Stopped, Why, first_non_finite};
 use super::run::{Ended, Leg, Pace, Rules, drive};
 use super::start::{History, fill, first_step, starter, steps_behind};
 use super::watch::{Flow, Watch};
-use crate::step::method::Method;
+use crate::step::method::{Known, Method};
 use crate::step::norm::Tolerance;
 use crate::step::row::form_of;
 use crate::step::scalar::{Fused, Plain, Real, Scalar};
 use crate::step::state::{RealOf, State};
-use crate::step::stepper::Stepper;
+use crate::step::stepper::{Refused, Stepper};
 use crate::step::system::System;
-use crate::tableau::Meaning;
+use crate::tableau::{Form, Meaning};
 use num_traits::{One, Zero};
 use std::marker::PhantomData;
 
@@ -264,60 +264,12 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         let origin = self.t;
         let mut history = History { ys: vec![self.y.clone()], slopes: vec![] };
         let behind = (steps_behind(&form) as u64).min(steps);
-        if behind > 0 {
-            let mut first = Stepper::new(self.options.starter.clone().unwrap_or_else(|| starter(&form)), &self.y);
-            let lone = History { ys: vec![self.y.clone()], slopes: vec![] };
-            let refused = |r: crate::step::stepper::Refused| Why::OutOfDomain { stage: r.stage };
-            self.stats.evaluations +=
-                fill(&mut first, &mut system, self.t, &lone, self.v.as_ref()).map_err(refused)?;
-            for i in 0..behind {
-                let mut slope = self.y.clone();
-                system.rhs(self.t, first.y(), &mut slope).map_err(|_| Why::OutOfDomain { stage: 0 })?;
-                history.slopes.push(slope);
-                first.attempt::<Plain, S>(&mut system, self.t, h, false).map_err(refused)?;
-                self.stats.evaluations += 1 + first.form().s as u64;
-                if let Some(component) = first_non_finite(first.next(0)) {
-                    return Err(Why::NonFinite { component, stage: None });
-                }
-                let next =
-                    if i + 1 == steps { end } else { origin + RealOf::<Y>::from_f64((i + 1) as f64) * h };
-                if self.watch.active() {
-                    let (flow, evaluations) = self.watch.show(&first, &mut system, self.t, h, next);
-                    self.stats.evaluations += evaluations;
-                    self.watch.dense.forget();
-                    match flow {
-                        Flow::Go => {}
-                        Flow::Retry => return Err(Why::OutOfDomain { stage: 0 }),
-                        Flow::Stop if self.watch.one_by_one => {}
-                        Flow::Stop => self.done = true,
-                        Flow::Change(at) => {
-                            if let Some((y, v)) = self.watch.landed.take() {
-                                (self.t, self.y, self.v) = (at, y, v);
-                            }
-                            self.done = self.watch.stopped_by.is_some();
-                            self.system = Some(system);
-                            self.guard_against_endless_events()?;
-                            return Ok(None);
-                        }
-                    }
-                }
-                first.accept();
-                self.stats.accepted += 1;
-                (self.t, self.h) = (next, h);
-                self.y.as_mut_slice().copy_from_slice(first.y().as_slice());
-                history.ys.push(self.y.clone());
-                let form = *first.form();
-                if let Some(j) = (0..form.r).find(|&j| form.means[j] == Meaning::V) {
-                    self.v = Some(first.word(j).clone());
-                }
-                if self.done || i + 1 == steps {
-                    self.system = Some(system);
-                    if !self.done {
-                        self.t = self.stops.pop().unwrap_or(stop);
-                        self.done = self.stops.is_empty();
-                    }
-                    return Ok(None);
-                }
+        // Compiled only where there may be old steps to make.
+        if const { M::READ || !Known::<M>::FORM.one_step() } && behind > 0 {
+            let begun = Begun { origin, h, steps, end, behind };
+            match self.first_steps(system, &form, begun, &mut history)? {
+                Some(lent) => system = lent,
+                None => return Ok(None),
             }
         }
         self.stats.evaluations += fill(&mut stepper, &mut system, self.t, &history, self.v.as_ref())
@@ -368,6 +320,69 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         }))
     }
 
+    /// Takes the steps that lie behind the first step of a multistep method, with a one-step one. Gives the
+    /// system back, or nothing where the run ended, changed course or reached its stop on the way.
+    #[inline(never)]
+    fn first_steps(
+        &mut self,
+        mut system: S,
+        form: &Form,
+        Begun { origin, h, steps, end, behind }: Begun<RealOf<Y>>,
+        history: &mut History<Y>,
+    ) -> Result<Option<S>, Why> {
+        let mut first = Stepper::new(self.options.starter.clone().unwrap_or_else(|| starter(form)), &self.y);
+        let lone = History { ys: vec![self.y.clone()], slopes: vec![] };
+        let refused = |r: Refused| Why::OutOfDomain { stage: r.stage };
+        self.stats.evaluations +=
+            fill(&mut first, &mut system, self.t, &lone, self.v.as_ref()).map_err(refused)?;
+        for i in 1..=behind {
+            let mut slope = self.y.clone();
+            system.rhs(self.t, first.y(), &mut slope).map_err(|_| Why::OutOfDomain { stage: 0 })?;
+            history.slopes.push(slope);
+            first.attempt::<Plain, S>(&mut system, self.t, h, false).map_err(refused)?;
+            self.stats.evaluations += 1 + first.form().s as u64;
+            if let Some(component) = first_non_finite(first.next(0)) {
+                return Err(Why::NonFinite { component, stage: None });
+            }
+            let next = if i == steps { end } else { origin + RealOf::<Y>::from_f64(i as f64) * h };
+            if self.watch.active() {
+                let (flow, evaluations) = self.watch.show(&first, &mut system, self.t, h, next);
+                self.stats.evaluations += evaluations;
+                self.watch.dense.forget();
+                match flow {
+                    Flow::Go => {}
+                    Flow::Retry => return Err(Why::OutOfDomain { stage: 0 }),
+                    Flow::Stop => self.done = !self.watch.one_by_one,
+                    Flow::Change(at) => {
+                        if let Some((y, v)) = self.watch.landed.take() {
+                            (self.t, self.y, self.v) = (at, y, v);
+                        }
+                        self.done = self.watch.stopped_by.is_some();
+                        self.system = Some(system);
+                        return self.guard_against_endless_events().map(|()| None);
+                    }
+                }
+            }
+            first.accept();
+            self.stats.accepted += 1;
+            (self.t, self.h) = (next, h);
+            self.y.as_mut_slice().copy_from_slice(first.y().as_slice());
+            history.ys.push(self.y.clone());
+            if let Some(j) = first.form().means[..first.form().r].iter().position(|&m| m == Meaning::V) {
+                self.v = Some(first.word(j).clone());
+            }
+            if self.done || i == steps {
+                self.system = Some(system);
+                if !self.done {
+                    self.t = self.stops.pop().unwrap_or(end);
+                    self.done = self.stops.is_empty();
+                }
+                return Ok(None);
+            }
+        }
+        Ok(Some(system))
+    }
+
     /// A ball that comes to rest bounces without end: the times between its events shrink to nothing.
     fn guard_against_endless_events(&mut self) -> Result<(), Why> {
         let occurred = &self.watch.occurrences;
@@ -382,9 +397,18 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
     }
 }
 
+/// A leg of fixed steps, as far as its start must know it.
+struct Begun<R> {
+    origin: R,
+    h: R,
+    steps: u64,
+    end: R,
+    behind: u64,
+}
+
 /// The power of h in the error estimate; of two embedded rows of different order, that of DOP853's
 /// combination e1^2 / sqrt(e1^2 + 0.01 e2^2).
-fn estimate_order(form: &crate::tableau::Form) -> usize {
+fn estimate_order(form: &Form) -> usize {
     let of = |k: usize| form.embedded[k].min(form.order) + 1;
     match form.errors {
         2 if form.embedded[0] != form.embedded[1] => 2 * of(0) - of(1),

@@ -21,9 +21,10 @@ pub trait Method: Clone {
 pub(crate) struct Known<M>(std::marker::PhantomData<M>);
 
 impl<M: Method> Known<M> {
-    pub const FORM: &'static Form = match M::FORM {
-        Some(form) => form,
-        None => &Form::EMPTY,
+    /// A copy: the static of another crate is opaque to the optimiser, a constant of this one folds away.
+    pub const FORM: &'static Form = &match M::FORM {
+        Some(form) => *form,
+        None => Form::EMPTY,
     };
     pub const UNROLLED: bool = M::FORM.is_some();
 }

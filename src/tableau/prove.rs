@@ -146,7 +146,7 @@ impl Claims {
             let moved = matches!(meaning, Meaning::Y(1..) | Meaning::F(1..));
             if tree.order <= self.order + lift && !moved {
                 let weight = if j == 0 { y } else { apply(&form.carry[j], x, 0) };
-                let off = weight.minus(series.later[j]).hi;
+                let off = weight.minus(series.later(j)).hi;
                 if !within(off, tolerance) {
                     return Some(Failed { what: What::Carried(meaning), lift, off });
                 }

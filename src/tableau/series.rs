@@ -106,10 +106,8 @@ const fn exact(meaning: Meaning, later: i64, n: usize, d: usize) -> D {
 pub(super) struct Series<'m> {
     pub forms: &'m Forms,
     pub trees: &'m [Tree],
-    /// Of the tree at hand: what the rows combine, ..
+    /// Of the tree at hand: what the rows combine, and the exact y one step later, 1 / gamma.
     pub x: Sources,
-    /// .. the exact z_j one step later, and 1 / gamma.
-    pub later: [D; CARRIED],
     pub exact: D,
     /// `exact` at t_n and one step later, for this order.
     order: usize,
@@ -128,7 +126,12 @@ impl<'m> Series<'m> {
         eta: &'m mut [[D; STAGES]],
     ) -> Self {
         let (x, of_order) = ([D::ZERO; CARRIED + STAGES], [[D::ZERO; CARRIED]; 2]);
-        Self { forms, trees, x, later: of_order[1], exact: D::ONE, order: 0, of_order, smaller, eta }
+        Self { forms, trees, x, exact: D::ONE, order: 0, of_order, smaller, eta }
+    }
+
+    /// The exact z_j one step later.
+    pub const fn later(&self, j: usize) -> D {
+        self.of_order[1][j].times(self.exact)
     }
 
     /// Tree t; all before it must have been evaluated.
@@ -144,7 +147,6 @@ impl<'m> Series<'m> {
                 self.of_order[1][j] = exact(form.means[j], 1, tree.order, d);
             }
             self.x[j] = self.of_order[0][j].times(self.exact);
-            self.later[j] = self.of_order[1][j].times(self.exact);
             j += 1;
         }
         self.order = tree.order;
