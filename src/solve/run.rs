@@ -91,7 +91,6 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
     } else {
         (form.s as u64, form.stage[0].copies())
     };
-    let forward = end > t;
     let mut before = h;
     let watching = watch.active();
     let ended = loop {
@@ -200,10 +199,10 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
         last = step;
         if P::ADAPTIVE {
             lost = (step - (next - t)) + if lands { RealOf::<Y>::zero() } else { lost };
-            let factor = RealOf::<Y>::from_f64(control.accepted(square));
-            let fresh = if lands { (step * factor).modulus().maximum(h.modulus()) } else { (step * factor).modulus() };
-            let fresh = fresh.minimum(rules.max_step);
-            let fresh = if forward { fresh } else { -fresh };
+            let next_step = step * RealOf::<Y>::from_f64(control.accepted(square));
+            // A step cut short by the end says nothing about the size that was wanted.
+            let next_step = if lands && next_step.modulus() < h.modulus() { h } else { next_step };
+            let fresh = next_step.minimum(rules.max_step).maximum(-rules.max_step);
             h = if rules.late { before } else { fresh };
             before = fresh;
         } else {

@@ -106,10 +106,29 @@ fn fill<A: Arith, Y: State, const K: usize>(out: &mut Y, row: &Row, h: &[RealOf<
         Some(i) => Some(&x[i]),
         None => None,
     };
-    out.combine::<A, K>(base, |j| coefficient(row, h, j), |j| &x[row.at[j]]);
+    if A::FUSED && one_power(row) {
+        // base + h sum: one fused operation at the end instead of a product for every coefficient.
+        let scale = if row.len > 0 { Some(h[row.power[0]]) } else { None };
+        out.combine::<A, K>(base, scale, |j| RealOf::<Y>::of(row.a[j]), |j| &x[row.at[j]]);
+    } else {
+        // h is multiplied in where the coefficient is used: adding the base is then all that waits for the sum.
+        out.combine::<A, K>(base, None, |j| coefficient(row, h, j), |j| &x[row.at[j]]);
+    }
 }
 
-/// h is multiplied in where the coefficient is used: a sum then starts with no wait for another.
+/// Every term carries the same power of h, and one at least.
+#[inline(always)]
+fn one_power(row: &Row) -> bool {
+    let mut j = 1;
+    while j < row.len {
+        if row.power[j] != row.power[0] {
+            return false;
+        }
+        j += 1;
+    }
+    row.len > 0 && row.power[0] > 0
+}
+
 #[inline(always)]
 fn coefficient<T: Real>(row: &Row, h: &[T; 3], j: usize) -> T {
     let a = T::of(row.a[j]);
@@ -151,7 +170,9 @@ fn squares<A: Arith, Y: State, const K: usize>(
     y1: &Y,
     tolerance: &super::norm::Tolerance<RealOf<Y>>,
 ) -> RealOf<Y> {
-    y1.error_square::<A, K>(&x[0], tolerance, |j| coefficient(row, h, j), |j| &x[row.at[j]])
+    // An error row has no base: every term carries h^d, which is multiplied in once, after the sum.
+    let square = y1.error_square::<A, K>(&x[0], tolerance, |j| RealOf::<Y>::of(row.a[j]), |j| &x[row.at[j]]);
+    if row.len > 0 { square * (h[row.power[0]] * h[row.power[0]]) } else { square }
 }
 
 /// Repeats the body for I = 0, 1, .. as a constant item, up to the most stages a method may have.

@@ -175,6 +175,8 @@ impl Real for DoubleDouble {
 
 /// How `a x + s` is formed: a type, so that a whole run is compiled for one of the two.
 pub trait Arith {
+    /// One rounding for a product and a sum.
+    const FUSED: bool;
     fn term<T: Scalar>(a: T::Real, x: T, s: T) -> T;
 }
 
@@ -184,6 +186,7 @@ pub struct Plain;
 pub struct Fused;
 
 impl Arith for Plain {
+    const FUSED: bool = false;
     #[inline(always)]
     fn term<T: Scalar>(a: T::Real, x: T, s: T) -> T {
         s + x.scale(a)
@@ -191,6 +194,7 @@ impl Arith for Plain {
 }
 
 impl Arith for Fused {
+    const FUSED: bool = true;
     #[inline(always)]
     fn term<T: Scalar>(a: T::Real, x: T, s: T) -> T {
         T::fused(a, x, s)

@@ -16,10 +16,11 @@ pub trait State: Clone {
     fn as_slice(&self) -> &[Self::Scalar];
     fn as_mut_slice(&mut self) -> &mut [Self::Scalar];
 
-    /// `self = base + sum_j a(j) x(j)`, j < K, in one pass.
+    /// `self = base + scale sum_j a(j) x(j)`, j < K, in one pass; without a scale it is one.
     fn combine<'a, A: Arith, const K: usize>(
         &mut self,
         base: Option<&'a Self>,
+        scale: Option<RealOf<Self>>,
         a: impl Fn(usize) -> RealOf<Self>,
         x: impl Fn(usize) -> &'a Self,
     ) where
@@ -41,11 +42,28 @@ pub trait State: Clone {
     fn take(&mut self, from: &mut Self);
 }
 
+#[inline(always)]
+fn added<A: Arith, T: Scalar>(base: T, scale: Option<T::Real>, sum: T) -> T {
+    match scale {
+        Some(scale) => A::term(scale, sum, base),
+        None => base + sum,
+    }
+}
+
+#[inline(always)]
+fn scaled<T: Scalar>(scale: Option<T::Real>, sum: T) -> T {
+    match scale {
+        Some(scale) => sum.scale(scale),
+        None => sum,
+    }
+}
+
 /// Component by component, all terms of one before the next: one pass over memory.
 #[inline(always)]
 fn combine_long<'a, A: Arith, T: Scalar, const K: usize>(
     out: &mut [T],
     base: Option<&'a [T]>,
+    scale: Option<T::Real>,
     a: impl Fn(usize) -> T::Real,
     x: impl Fn(usize) -> &'a [T],
 ) {
@@ -64,12 +82,12 @@ fn combine_long<'a, A: Arith, T: Scalar, const K: usize>(
         Some(base) => {
             let base = &base[..n];
             for i in 0..n {
-                out[i] = base[i] + sum(i);
+                out[i] = added::<A, T>(base[i], scale, sum(i));
             }
         }
         None => {
             for (i, out) in out.iter_mut().enumerate() {
-                *out = sum(i);
+                *out = scaled(scale, sum(i));
             }
         }
     }
@@ -80,6 +98,7 @@ fn combine_long<'a, A: Arith, T: Scalar, const K: usize>(
 fn combine_short<'a, A: Arith, T: Scalar, const N: usize, const K: usize>(
     out: &mut [T; N],
     base: Option<&'a [T; N]>,
+    scale: Option<T::Real>,
     a: impl Fn(usize) -> T::Real,
     x: impl Fn(usize) -> &'a [T; N],
 ) {
@@ -90,12 +109,12 @@ fn combine_short<'a, A: Arith, T: Scalar, const N: usize, const K: usize>(
             s[i] = if j == 0 { x[i].scale(a) } else { A::term(a, x[i], s[i]) };
         }
     }
-    if let Some(base) = base {
-        for i in 0..N {
-            s[i] = base[i] + s[i];
-        }
+    for i in 0..N {
+        out[i] = match base {
+            Some(base) => added::<A, T>(base[i], scale, s[i]),
+            None => scaled(scale, s[i]),
+        };
     }
-    *out = s;
 }
 
 /// The square of one component's error over its tolerance.
@@ -160,7 +179,7 @@ fn error_square_short<'a, A: Arith, T: Scalar, const N: usize, const K: usize>(
     x: impl Fn(usize) -> &'a [T; N],
 ) -> T::Real {
     let mut e = [T::NEG_ZERO; N];
-    combine_short::<A, T, N, K>(&mut e, None, a, x);
+    combine_short::<A, T, N, K>(&mut e, None, None, a, x);
     let mut sum = T::Real::zero();
     for i in 0..N {
         sum = sum + ratio_square(e[i], y0[i], y1[i], tolerance.at(i));
@@ -186,13 +205,14 @@ impl<T: Scalar, const N: usize> State for [T; N] {
     fn combine<'a, A: Arith, const K: usize>(
         &mut self,
         base: Option<&'a Self>,
+        scale: Option<T::Real>,
         a: impl Fn(usize) -> T::Real,
         x: impl Fn(usize) -> &'a Self,
     ) {
         if const { N <= SHORT } {
-            combine_short::<A, T, N, K>(self, base, a, x);
+            combine_short::<A, T, N, K>(self, base, scale, a, x);
         } else {
-            combine_long::<A, T, K>(self, base.map(|b| b.as_slice()), a, |j| x(j).as_slice());
+            combine_long::<A, T, K>(self, base.map(|b| b.as_slice()), scale, a, |j| x(j).as_slice());
         }
     }
     #[inline(always)]
@@ -230,15 +250,16 @@ impl<T: Scalar + nalgebra::Scalar, const N: usize> State for nalgebra::SVector<T
     fn combine<'a, A: Arith, const K: usize>(
         &mut self,
         base: Option<&'a Self>,
+        scale: Option<T::Real>,
         a: impl Fn(usize) -> T::Real,
         x: impl Fn(usize) -> &'a Self,
     ) {
         // A column of N is one array of N.
         let out = &mut self.data.0[0];
         if const { N <= SHORT } {
-            combine_short::<A, T, N, K>(out, base.map(|b| &b.data.0[0]), a, |j| &x(j).data.0[0]);
+            combine_short::<A, T, N, K>(out, base.map(|b| &b.data.0[0]), scale, a, |j| &x(j).data.0[0]);
         } else {
-            combine_long::<A, T, K>(out, base.map(|b| b.as_slice()), a, |j| x(j).as_slice());
+            combine_long::<A, T, K>(out, base.map(|b| b.as_slice()), scale, a, |j| x(j).as_slice());
         }
     }
     #[inline(always)]
@@ -280,11 +301,12 @@ macro_rules! on_the_heap {
             fn combine<'a, A: Arith, const K: usize>(
                 &mut self,
                 base: Option<&'a Self>,
+                scale: Option<T::Real>,
                 a: impl Fn(usize) -> T::Real,
                 x: impl Fn(usize) -> &'a Self,
             ) {
                 let base = base.map(State::as_slice);
-                combine_long::<A, T, K>(State::as_mut_slice(self), base, a, |j| State::as_slice(x(j)));
+                combine_long::<A, T, K>(State::as_mut_slice(self), base, scale, a, |j| State::as_slice(x(j)));
             }
             #[inline(always)]
             fn error_square<'a, A: Arith, const K: usize>(

@@ -7,7 +7,7 @@ use super::scalar::{Arith, Real};
 use super::state::{RealOf, State};
 use super::system::System;
 use crate::tableau::{Form, Meaning, Row};
-use num_traits::Zero;
+use num_traits::{One, Zero};
 use std::marker::PhantomData;
 
 /// Why an attempted step has no result.
@@ -134,27 +134,27 @@ impl<M: Method, Y: State> Stepper<M, Y> {
         let form = self.form();
         let x = self.read();
         let y1 = self.next(0);
-        let n = RealOf::<Y>::from_f64(y1.as_slice().len().max(1) as f64);
+        let share = RealOf::<Y>::one() / RealOf::<Y>::from_f64(y1.as_slice().len().max(1) as f64);
         let (first, second) = if const { Known::<M>::UNROLLED } {
             let first = error_square::<A, Y, _>(ErrorRow::<M, 0>(PhantomData), &powers, x, y1, tolerance);
             if const { Known::<M>::FORM.errors < 2 } {
-                return first / n;
+                return first * share;
             }
             (first, error_square::<A, Y, _>(ErrorRow::<M, 1>(PhantomData), &powers, x, y1, tolerance))
         } else {
             let first = error_square::<A, Y, _>(Read(&form.error[0]), &powers, x, y1, tolerance);
             if form.errors < 2 {
-                return first / n;
+                return first * share;
             }
             (first, error_square::<A, Y, _>(Read(&form.error[1]), &powers, x, y1, tolerance))
         };
         if form.embedded[0] == form.embedded[1] {
-            return first.maximum(second) / n;
+            return first.maximum(second) * share;
         }
         if first.is_zero() && second.is_zero() {
             return first;
         }
-        first * (first / ((first + RealOf::<Y>::from_f64(0.01) * second) * n))
+        first * share * (first / (first + RealOf::<Y>::from_f64(0.01) * second))
     }
 
     /// Where the slope at the end of the step stands after `attempt`, if the method computes it.

@@ -118,13 +118,17 @@ impl DoubleDouble {
         if self.hi == 0.0 {
             return Self::ZERO;
         }
-        let mut x = Self::of(newton_start(self.hi, 2));
-        let mut i = 0;
-        while i < 7 {
-            x = x.plus(self.over(x)).times(Self::of(0.5));
+        if self.hi < 0.0 {
+            return Self::of(f64::NAN);
+        }
+        let (mut x, mut i) = (newton_start(self.hi, 2), 0);
+        while i < 6 {
+            x = 0.5 * (x + self.hi / x);
             i += 1;
         }
-        if self.hi < 0.0 { Self::of(f64::NAN) } else { x }
+        // One more step doubles the 53 bits of x.
+        let x = Self::of(x);
+        x.plus(self.over(x)).times(Self::of(0.5))
     }
 
     /// Real cube root, of negative numbers too.
@@ -135,13 +139,13 @@ impl DoubleDouble {
         if self.hi < 0.0 {
             return self.neg().cbrt().neg();
         }
-        let mut x = Self::of(newton_start(self.hi, 3));
-        let mut i = 0;
-        while i < 9 {
-            x = x.plus(x).plus(self.over(x.times(x))).over(Self::of(3.0));
+        let (mut x, mut i) = (newton_start(self.hi, 3), 0);
+        while i < 8 {
+            x = (2.0 * x + self.hi / (x * x)) / 3.0;
             i += 1;
         }
-        x
+        let x = Self::of(x);
+        x.plus(x).plus(self.over(x.times(x))).over(Self::of(3.0))
     }
 
     pub const fn powi(self, n: u32) -> Self {

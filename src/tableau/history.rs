@@ -2,7 +2,7 @@
 
 use super::double_double::DoubleDouble as D;
 use super::form::{Form, Meaning, Row};
-use super::lower::{blank, finish, with_diagonal};
+use super::lower::{finish, with_diagonal};
 use super::{Steps, Tableau};
 
 /// What steps of given ages are read: age 0 is t_(n+1), age 1 is t_n.
@@ -45,7 +45,7 @@ impl History {
     }
 
     /// z is y, older y, f, older f, and what leaves one age enters the next; `newest` is the f that enters.
-    const fn carried(self, mut form: Form, newest: usize) -> Form {
+    const fn carried(self, form: &mut Form, newest: usize) {
         form.r = self.vectors();
         let mut j = 1;
         while j < form.r {
@@ -54,7 +54,6 @@ impl History {
             form.means[j] = if j < self.y { Meaning::Y(j) } else { Meaning::F(j - self.y + self.from - 1) };
             j += 1;
         }
-        form
     }
 
     /// y_(n+1) of a linear multistep formula, the terms of f_(n+1) and, where it is no part of z, f_n being
@@ -84,19 +83,20 @@ impl History {
 
 /// Explicit: z = (y, older y, f_(n-1), ..), the one stage evaluates f_n.
 /// Implicit: z = (y, older y, f_n, f_(n-1), ..), the one stage solves for y_(n+1).
-pub(super) const fn multistep(t: &Tableau, steps: &Steps, d: usize) -> Form {
+pub(super) const fn multistep(t: &Tableau, steps: &Steps, d: usize, form: &mut Form) {
     let implicit = steps.beta[steps.k].hi() != 0.0;
     let history = History::of(steps, if implicit { 1 } else { 2 });
     let r = history.vectors();
-    let mut form = history.carried(blank(t, d), r);
+    form.d = d;
+    history.carried(form, r);
     form.carry[0] = history.row(steps, d, r, r);
     if implicit {
         form.stage[0] = with_diagonal(form.carry[0], r);
-        form.c[0] = abscissa(&form, &form.carry[0]);
+        form.c[0] = abscissa(form, &form.carry[0]);
     } else {
         form.stage[0] = Row { base: Some(0), ..Row::EMPTY };
     }
-    finish(form)
+    finish(t, form);
 }
 
 /// z = (y, older y, f_n, f_(n-1), ..). Stage 1 evaluates f at the prediction; with PECE stage 2 evaluates it
@@ -106,20 +106,20 @@ pub(super) const fn predictor_corrector(
     predictor: &Steps,
     corrector: &Steps,
     evaluates: bool,
-) -> Form {
+    form: &mut Form,
+) {
     let history = History::of(predictor, 1).or(History::of(corrector, 1));
     let r = history.vectors();
-    let s = if evaluates { 2 } else { 1 };
-    let mut form = history.carried(blank(t, 1), r + s - 1);
-    form.s = s;
+    form.s = if evaluates { 2 } else { 1 };
+    history.carried(form, r + form.s - 1);
     form.stage[0] = history.row(predictor, 1, r, r);
     form.carry[0] = history.row(corrector, 1, r, r);
-    form.c[0] = abscissa(&form, &form.stage[0]);
+    form.c[0] = abscissa(form, &form.stage[0]);
     if evaluates {
         form.stage[1] = form.carry[0];
-        form.c[1] = abscissa(&form, &form.carry[0]);
+        form.c[1] = abscissa(form, &form.carry[0]);
     }
-    finish(form)
+    finish(t, form);
 }
 
 /// When a row's value is taken, in steps after t_n: the same row applied to the equation t' = 1.

@@ -11,21 +11,28 @@ use super::{Array, Scheme, Splitting, Tableau};
 /// The one form of a method. `None` where it has none: a Rosenbrock stage solves a linear system with the
 /// Jacobian inside, and pairs of tables step two right-hand sides.
 pub(super) const fn lower(t: &Tableau) -> Option<Form> {
-    let form = match &t.scheme {
-        Scheme::RungeKutta(array) => runge_kutta(t, array, true),
-        Scheme::Multistep(steps) => multistep(t, steps, 1),
-        Scheme::Stormer(steps) => multistep(t, steps, 2),
+    let mut form = BLANK;
+    if lower_to(t, &mut form) { Some(form) } else { None }
+}
+
+/// Writes the one form into a blank one, false where there is none. A form has 40 kB: what is built in place
+/// is not copied from frame to frame.
+pub(super) const fn lower_to(t: &Tableau, form: &mut Form) -> bool {
+    match &t.scheme {
+        Scheme::RungeKutta(array) => runge_kutta(t, array, true, form),
+        Scheme::Multistep(steps) => multistep(t, steps, 1, form),
+        Scheme::Stormer(steps) => multistep(t, steps, 2, form),
         Scheme::PredictorCorrector { predictor, corrector, evaluates } => {
-            predictor_corrector(t, predictor, corrector, *evaluates)
+            predictor_corrector(t, predictor, corrector, *evaluates, form)
         }
-        Scheme::Nystrom { array, bbar } => nystrom(t, array, bbar, D::ONE),
+        Scheme::Nystrom { array, bbar } => nystrom(t, array, bbar, D::ONE, form),
         Scheme::Splitting(splitting) => {
             let (array, bbar, end) = kicks(splitting);
-            nystrom(t, &array, &bbar, end)
+            nystrom(t, &array, &bbar, end, form)
         }
-        Scheme::Rosenbrock { .. } | Scheme::Imex { .. } | Scheme::Partitioned { .. } => return None,
-    };
-    Some(form)
+        Scheme::Rosenbrock { .. } | Scheme::Imex { .. } | Scheme::Partitioned { .. } => return false,
+    }
+    true
 }
 
 /// Why a method does not fit the form's arrays, which lowering takes for granted.
@@ -43,25 +50,24 @@ pub(super) const fn misfit(t: &Tableau) -> Option<&'static str> {
     if vectors > CARRIED { Some("more than 14 vectors are carried from step to step") } else { None }
 }
 
-pub(super) const fn blank(t: &Tableau, d: usize) -> Form {
-    Form {
-        d,
-        r: 1,
-        s: 1,
-        means: [Meaning::Y(0); CARRIED],
-        c: [D::ZERO; STAGES],
-        stage: [Row::EMPTY; STAGES],
-        carry: [Row::EMPTY; CARRIED],
-        errors: 0,
-        error: [Row::EMPTY; 2],
-        order: t.order,
-        embedded: [0; 2],
-        dense_order: 0,
-        powers: 0,
-        dense: [Row::EMPTY; POWERS],
-        extra: 0,
-    }
-}
+/// One stage, y carried.
+pub(super) const BLANK: Form = Form {
+    d: 1,
+    r: 1,
+    s: 1,
+    means: [Meaning::Y(0); CARRIED],
+    c: [D::ZERO; STAGES],
+    stage: [Row::EMPTY; STAGES],
+    carry: [Row::EMPTY; CARRIED],
+    errors: 0,
+    error: [Row::EMPTY; 2],
+    order: 0,
+    embedded: [0; 2],
+    dense_order: 0,
+    powers: 0,
+    dense: [Row::EMPTY; POWERS],
+    extra: 0,
+};
 
 /// Moves the term of the row's own F, source `own`, to the diagonal.
 pub(super) const fn with_diagonal(row: Row, own: usize) -> Row {
@@ -78,19 +84,18 @@ pub(super) const fn with_diagonal(row: Row, own: usize) -> Row {
 }
 
 /// Ends every lowering: y' that equals the last stage is the last stage, moved.
-pub(super) const fn finish(mut form: Form) -> Form {
+pub(super) const fn finish(t: &Tableau, form: &mut Form) {
     let (own, last) = (form.r + form.s - 1, form.stage[form.s - 1]);
     let whole = Row { diagonal: D::ZERO, ..last.with(own, last.diagonal, form.d) };
     form.carry[0].last_y = whole.equals(&form.carry[0]);
-    form
+    form.order = t.order;
 }
 
 /// z = (y), or (y, f) where the last stage is y' itself and the first one y: then the step's last F is the
 /// next one's first, and the first stage falls away. Stage i's F (counted from 0) is source 1 + i either way.
 ///
 /// `share` allows the latter; pairs of tables number their stages alike and do without.
-pub(super) const fn runge_kutta(t: &Tableau, array: &Array, share: bool) -> Form {
-    let mut form = blank(t, 1);
+pub(super) const fn runge_kutta(t: &Tableau, array: &Array, share: bool, form: &mut Form) {
     let all = array.stages + array.extra;
     let first = (share && first_is_last(array, &array.b, D::ONE)) as usize;
     form.r = 1 + first;
@@ -132,7 +137,7 @@ pub(super) const fn runge_kutta(t: &Tableau, array: &Array, share: bool) -> Form
         form.dense[k] = slopes(None, 1, &weights, all, 1);
         k += 1;
     }
-    finish(form)
+    finish(t, form);
 }
 
 /// base + h^power sum weights_i F_i, F_0 being source `from`.
@@ -167,8 +172,8 @@ const fn same(a: D, b: D) -> bool {
 
 /// z = (x, v), or (x, v, f) where the last stage is x' itself and the first one x. Stage i's F is source 2 + i
 /// either way. The step ends at t + `end` h, which is 1 up to rounding.
-const fn nystrom(t: &Tableau, array: &Array, bbar: &[D; STAGES], end: D) -> Form {
-    let mut form = blank(t, 2);
+const fn nystrom(t: &Tableau, array: &Array, bbar: &[D; STAGES], end: D, form: &mut Form) {
+    form.d = 2;
     let n = array.stages;
     let first = first_is_last(array, bbar, end) as usize;
     form.r = 2 + first;
@@ -186,7 +191,7 @@ const fn nystrom(t: &Tableau, array: &Array, bbar: &[D; STAGES], end: D) -> Form
         form.means[2] = Meaning::F(0);
         form.carry[2] = Row { base: Some(1 + n), ..Row::EMPTY };
     }
-    finish(form)
+    finish(t, form);
 }
 
 /// x + c h v + h^2 sum weights_i F_i.

@@ -18,20 +18,27 @@ use super::trees::{Kind, Tree, write};
 /// What rounding may leave of a condition that holds exactly: six digits are granted to cancellation.
 const FLOOR: f64 = 1e-26;
 
-/// Trees of less than the highest order in a const list, coloured ones being the most.
-const SMALLER: usize = 286;
-
 /// Proves the order to 8 (pairs: 6), the embedded and dense orders, the row sums and zero-stability.
 pub(super) const fn prove(t: &Tableau) -> Result<(), TableauError> {
     let forms = match forms(t) {
         Ok(forms) => forms,
         Err(error) => return Err(error),
     };
-    let (mut smaller, mut eta) = ([[D::ZERO; CARRIED + STAGES]; SMALLER], [[D::ZERO; STAGES]; SMALLER]);
-    let claims = Claims::of(t, &forms, forms.kind.limit());
-    let (trees, stored) = (forms.kind.trees(), claims.smaller(forms.kind.trees()));
+    // As many trees as are part of others.
+    match forms.kind {
+        Kind::Coloured => prove_with::<286>(t, &forms),
+        _ => prove_with::<85>(t, &forms),
+    }
+}
+
+const fn prove_with<const N: usize>(t: &Tableau, forms: &Forms) -> Result<(), TableauError> {
+    let claims = Claims::of(t, forms, forms.kind.limit());
+    let trees = forms.kind.trees();
+    let stored = claims.smaller(trees);
+    let mut smaller = [[D::ZERO; CARRIED + STAGES]; N];
+    let mut eta = [[D::ZERO; STAGES]; N];
     let (smaller, eta) = (smaller.split_at_mut(stored).0, eta.split_at_mut(stored).0);
-    claims.prove(Series::new(&forms, trees, smaller, eta), tolerance(t))
+    claims.prove(Series::new(forms, trees, smaller, eta), tolerance(t))
 }
 
 /// Proves the same with orders to `limit`.
