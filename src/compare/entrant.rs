@@ -84,11 +84,18 @@ impl<Y: State<Scalar = f64>, S: System<Y> + Clone, M: Method, P: Paced> Typed<Y,
         Self { posed, method, pace: PhantomData }
     }
 
-    fn ivp<'w>(&self, setting: f64) -> Ivp<'w, Y, S, M, P> {
+    /// One run, with the states at some times and a limit to its duration if it is watched. The loop is
+    /// compiled here alone: once for all callers.
+    #[inline(never)]
+    fn go(&self, setting: f64, watched: Option<(&[f64], Duration)>) -> Result<Solution<Y>, Stopped<Y>> {
         let Posed { system, y0, v0, span, scale } = &self.posed;
         let mut ivp = Ivp::new(system.clone(), y0.clone(), span.clone()).with(self.method.clone());
         ivp.v0.clone_from(v0);
-        P::set(ivp, setting, *scale)
+        let mut ivp = P::set(ivp, setting, *scale);
+        if let Some((times, longest)) = watched {
+            ivp = ivp.at(times).observe(in_time(longest));
+        }
+        ivp.run()
     }
 
     /// The failed part of a trial, in words that name the usual reasons.
@@ -120,7 +127,7 @@ impl<Y: State<Scalar = f64>, S: System<Y> + Clone, M: Method, P: Paced> Entrant 
 
     fn attempt(&self, setting: f64, times: &[f64], longest: Duration) -> Trial {
         let start = Instant::now();
-        let watched = match self.ivp(setting).at(times).observe(in_time(longest * WATCHED)).run() {
+        let watched = match self.go(setting, Some((times, longest * WATCHED))) {
             Ok(solution) => solution,
             Err(stopped) => return Self::failed(&stopped),
         };
@@ -134,7 +141,7 @@ impl<Y: State<Scalar = f64>, S: System<Y> + Clone, M: Method, P: Paced> Entrant 
             return slow(&watched, start.elapsed().as_secs_f64());
         }
         let start = Instant::now();
-        let plain = match self.ivp(setting).run() {
+        let plain = match self.go(setting, None) {
             Ok(solution) => solution,
             Err(stopped) => return Self::failed(&stopped),
         };
@@ -155,7 +162,7 @@ impl<Y: State<Scalar = f64>, S: System<Y> + Clone, M: Method, P: Paced> Entrant 
         let start = Instant::now();
         for _ in 0..runs {
             // A failure shows in the trial; one that comes only now and then would be one of f itself.
-            let _ = black_box(self.ivp(black_box(setting)).run());
+            let _ = black_box(self.go(black_box(setting), None));
         }
         start.elapsed().as_secs_f64()
     }

@@ -23,6 +23,7 @@ pub use pollution::Pollution;
 pub use relaxation::{CurtissHirschfelder, ExponentialDecay, ProtheroRobinson};
 pub use springs::{HarmonicOscillator, SpringChain, StiffSpringOverdamped, StiffSpringUnderdamped};
 
+use crate::State;
 use std::f64::consts::PI;
 
 /// An initial value problem y' = f(t, y), y(t0) = y0.
@@ -31,7 +32,7 @@ use std::f64::consts::PI;
 /// these: where a problem magnifies the rounding of its numbers, the two differ by more than a method errs.
 pub trait Problem: Clone + Send + Sync + 'static {
     /// `[f64; N]` for a problem of fixed size, `Vec<f64>` for one built to size.
-    type Y: Clone + Send + Sync + AsRef<[f64]> + AsMut<[f64]> + 'static;
+    type Y: State<Scalar = f64> + Send + Sync + AsRef<[f64]> + AsMut<[f64]> + 'static;
     /// Lower case, with hyphens.
     const NAME: &'static str;
     /// One line: what it is, and what it asks of a method.
@@ -96,7 +97,7 @@ pub trait Problem: Clone + Send + Sync + 'static {
 /// A problem x'' = f(t, x): the first half of y is the position x, the second the velocity v = x'.
 pub trait SecondOrder: Problem {
     /// Half of `Y`.
-    type X: Clone + Send + Sync + AsRef<[f64]> + AsMut<[f64]> + 'static;
+    type X: State<Scalar = f64> + Send + Sync + AsRef<[f64]> + AsMut<[f64]> + 'static;
 
     fn x0(&self) -> Self::X;
 

@@ -125,7 +125,7 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
                 square = stepper.error_square::<A>(step, &rules.tolerance).to_f64();
                 square <= 1.0
             } else {
-                stepper.next(0).as_slice().iter().all(|x| x.finite())
+                all_finite(stepper.next(0).as_slice())
             };
         if !good {
             match attempted {
@@ -190,7 +190,7 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
             }
         }
         stepper.accept();
-        if watching && first_is_copy && let Some(slope) = watch.end_slope() {
+        if watching && let Some(slope) = watch.end_slope() && first_is_copy {
             let r = form_of(&stepper.method).r;
             stepper.words_mut()[r].as_mut_slice().copy_from_slice(slope.as_slice());
             known = true;
@@ -216,6 +216,12 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
         }
     };
     (Leg { stepper, system, t, end, h, origin, index, steps, lost, control, stats, known, last }, ended)
+}
+
+/// Looked at a block at a time, so that a long vector is read at the speed of memory.
+#[inline(always)]
+fn all_finite<T: Scalar>(x: &[T]) -> bool {
+    x.chunks(64).all(|block| block.iter().fold(true, |good, x| good & x.finite()))
 }
 
 /// Shows the stepper to a function that is not inlined: a copy where it lives in registers, since an

@@ -37,12 +37,12 @@ pub(crate) fn fill<M: Method, Y: State, S: System<Y>>(
     history: &History<Y>,
     v: Option<&Y>,
 ) -> Result<u64, Refused> {
-    let form = *stepper.form();
+    let (r, means) = (stepper.form().r, stepper.form().means);
     let last = history.ys.len() - 1;
     let mut evaluations = 0;
-    for j in 0..form.r {
+    for (j, meaning) in means.into_iter().enumerate().take(r) {
         let z = &mut stepper.words_mut()[j];
-        match form.means[j] {
+        match meaning {
             Meaning::Y(k) => z.as_mut_slice().copy_from_slice(history.ys[last - k].as_slice()),
             Meaning::V => match v {
                 Some(v) => z.as_mut_slice().copy_from_slice(v.as_slice()),

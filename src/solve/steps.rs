@@ -245,8 +245,9 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
     /// Sets out for `stop` from where the run is. None where the starting steps already reached it.
     fn begin(&mut self, stop: RealOf<Y>) -> Result<Option<Leg<M, Y, S>>, Why> {
         let Some(mut system) = self.system.take() else { return Ok(None) };
+        let method = self.method.clone();
+        let form = form_of(&method);
         let mut stepper = Stepper::new(self.method.clone(), &self.y);
-        let form = *form_of(&stepper.method);
         // A break is met a few spacings early, where f still has its left value.
         let nudge = stop.ulp() * RealOf::<Y>::from_f64(4.0);
         let end = match stop == self.end {
@@ -263,11 +264,11 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         }
         let origin = self.t;
         let mut history = History { ys: vec![self.y.clone()], slopes: vec![] };
-        let behind = (steps_behind(&form) as u64).min(steps);
+        let behind = (steps_behind(form) as u64).min(steps);
         // Compiled only where there may be old steps to make.
         if const { M::READ || !Known::<M>::FORM.one_step() } && behind > 0 {
             let begun = Begun { origin, h, steps, end, behind };
-            match self.first_steps(system, &form, begun, &mut history)? {
+            match self.first_steps(system, form, begun, &mut history)? {
                 Some(lent) => system = lent,
                 None => return Ok(None),
             }
@@ -313,7 +314,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             index: behind,
             steps,
             lost: RealOf::<Y>::zero(),
-            control: Control::new(self.controller, estimate_order(&form)),
+            control: Control::new(self.controller, estimate_order(form)),
             stats: self.stats,
             known,
             last: h,
