@@ -8,7 +8,6 @@ use std::hint::black_box;
 use std::time::Instant;
 
 const H: f64 = 1e-3;
-const STEPS: usize = 4;
 
 /// One multiplication and addition per component: the right-hand side reads y and writes dy, no more.
 fn decay(_t: f64, y: &Vec<f64>, dy: &mut Vec<f64>) {
@@ -20,7 +19,7 @@ fn decay(_t: f64, y: &Vec<f64>, dy: &mut Vec<f64>) {
 /// Bytes per second of `a = b + s c`, 24 bytes a component, the best of several passes.
 fn triad(n: usize) -> f64 {
     let (mut a, b, c) = (vec![0.0; n], vec![1.0; n], vec![2.0; n]);
-    let rounds = (20_000_000 / n).max(3);
+    let rounds = (4_000_000 / n).max(2);
     let mut best = f64::INFINITY;
     for _ in 0..rounds {
         let start = Instant::now();
@@ -46,39 +45,39 @@ fn streams(method: &impl Method) -> usize {
     stages + carried
 }
 
+/// Seconds of a run of that many steps.
+fn run(method: &impl Method, n: usize, steps: usize) -> f64 {
+    let start = Instant::now();
+    let ivp = solve(decay, vec![1.0; n], 0.0..steps as f64 * H).with(method.clone()).step(H);
+    black_box(ivp.run().expect("a smooth problem"));
+    start.elapsed().as_secs_f64()
+}
+
 fn measure(c: &mut Criterion, method: impl Method) {
     let mut group = c.benchmark_group(format!("long/{}", method.name()));
     group.sample_size(10);
     for n in [10_000, 1_000_000, 8_000_000] {
-        group.throughput(Throughput::Elements((n * STEPS) as u64));
-        let mut best = f64::INFINITY;
+        let steps = (8_000_000 / n).clamp(4, 400);
+        group.throughput(Throughput::Elements((n * steps) as u64));
         group.bench_with_input(BenchmarkId::from_parameter(n), &n, |b, &n| {
-            b.iter_custom(|rounds| {
-                let mut total = std::time::Duration::ZERO;
-                for _ in 0..rounds {
-                    // Room for the vectors is taken before the first step: two runs of different length
-                    // differ by steps alone.
-                    let run = |steps: usize| {
-                        let start = Instant::now();
-                        let ivp = solve(decay, vec![1.0; n], 0.0..steps as f64 * H).with(method.clone()).step(H);
-                        black_box(ivp.run().expect("a smooth problem"));
-                        start.elapsed()
-                    };
-                    let short = run(1);
-                    let time = run(1 + STEPS).saturating_sub(short);
-                    best = best.min(time.as_secs_f64());
-                    total += time;
-                }
-                total
-            })
+            b.iter(|| run(&method, n, steps));
         });
-        let bound = 8.0 * n as f64 * streams(&method) as f64 / triad(n);
-        let step = best / STEPS as f64;
+        // Room for the vectors is taken before the first step: two runs of different length differ by steps
+        // alone. The triad is timed between them, and the best of each counts.
+        let (mut short, mut long, mut bandwidth) = (f64::INFINITY, f64::INFINITY, 0.0f64);
+        for _ in 0..10 {
+            short = short.min(run(&method, n, 1));
+            bandwidth = bandwidth.max(triad(n));
+            long = long.min(run(&method, n, 1 + steps));
+        }
+        let step = (long - short) / steps as f64;
+        let bound = 8.0 * n as f64 * streams(&method) as f64 / bandwidth;
         println!(
-            "long/{}/{n}: {:.3} ms a step, {} streams take {:.3} ms at the triad's bandwidth: {:.2} of the bound",
+            "long/{}/{n}: {:.4} ms a step; its {} streams at the triad's {:.1} GB/s: {:.4} ms; ratio {:.2}",
             method.name(),
             1e3 * step,
             streams(&method),
+            1e-9 * bandwidth,
             1e3 * bound,
             step / bound
         );

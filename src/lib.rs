@@ -1,4 +1,49 @@
-//! kutta
+//! kutta solves ordinary differential equations with methods written as data.
+//!
+//! ```
+//! use kutta::{methods::Verner87Efficient, solve};
+//!
+//! // Lorenz (1963): dy = f(t, y), written into dy.
+//! let lorenz = |_t: f64, y: &[f64; 3], dy: &mut [f64; 3]| {
+//!     dy[0] = 10.0 * (y[1] - y[0]);
+//!     dy[1] = y[0] * (28.0 - y[2]) - y[1];
+//!     dy[2] = y[0] * y[1] - 8.0 / 3.0 * y[2];
+//! };
+//! let run = solve(lorenz, [1.0, 1.0, 1.0], 0.0..10.0).with(Verner87Efficient).rtol(1e-9).run()?;
+//! assert!((run.y[2] - 24.69085810279056).abs() < 1e-5);
+//! # Ok::<(), kutta::Stopped<[f64; 3]>>(())
+//! ```
+//!
+//! # The map
+//!
+//! - [`solve`], [`solve_second`]: the way in, for y' = f(t, y) and y'' = f(t, y). They give an [`Ivp`],
+//!   whose methods are the options; [`Ivp::run`] gives a [`Solution`], or a [`Stopped`] with everything
+//!   computed so far.
+//! - [`methods`]: a type for every method, one per file of `tableaus/`. [`tableau!`] makes one of a file of
+//!   yours, [`Loaded`] reads one at run time.
+//! - [`tableau`]: what a method file holds, its proof and its derived properties; the one form that steps.
+//! - [`State`], [`Scalar`], [`System`]: what can be stepped: arrays, `Vec`, nalgebra vectors, faer columns
+//!   of `f64`, `f32`, complex numbers or [`tableau::DoubleDouble`].
+//! - [`problems`]: a catalogue with references to many digits.
+//! - [`compare`]: speed against error, for the catalogue and for a system of your own.
+//!
+//! # Steps of one size, for a scene
+//!
+//! ```
+//! use kutta::{methods::VelocityVerlet, solve_second};
+//!
+//! // A spring at 60 frames a second: the force follows from the position.
+//! let spring = |_t: f64, x: &[f64; 1], a: &mut [f64; 1]| a[0] = -40.0 * x[0];
+//! let run = solve_second(spring, [1.0], [0.0], 0.0..2.0).with(VelocityVerlet).step(1.0 / 60.0).run()?;
+//! let exact = (40f64.sqrt() * 2.0).cos();
+//! assert!((run.y[0] - exact).abs() < 0.02 && run.stats.accepted == 120);
+//! # Ok::<(), kutta::Stopped<[f64; 1]>>(())
+//! ```
+//!
+//! Fixed steps give the same bits on every machine. Adaptive steps use fused products and sums where the
+//! processor has them, so their last digits may differ between machines.
+
+pub mod compare;
 pub mod methods;
 pub mod problems;
 mod solve;
@@ -17,3 +62,7 @@ pub use step::norm::Tolerance;
 pub use step::scalar::{Real, Scalar};
 pub use step::state::{RealOf, State};
 pub use step::system::{OutOfDomain, System, Verdict};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,1 +1,7 @@
-fn main() {}
+//! The binary `kutta`: methods, problems and comparisons from the command line.
+
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}

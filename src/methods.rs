@@ -1,6 +1,6 @@
 //! Every method of `tableaus/`: a type each, and the list of all.
 
-use crate::tableau::Form;
+use crate::tableau::{Form, Tableau};
 
 include!(concat!(env!("OUT_DIR"), "/methods.rs"));
 
@@ -12,6 +12,13 @@ pub struct Entry {
     /// `tableaus/explicit/rk4.toml`.
     pub path: &'static str,
     pub text: &'static str,
+}
+
+impl Entry {
+    /// Its numbers, which the compiler has proven.
+    pub fn tableau(&self) -> Tableau<'static> {
+        Tableau::proven(self.text)
+    }
 }
 
 /// All methods, in the order of their paths.

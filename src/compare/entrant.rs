@@ -19,7 +19,6 @@ pub(super) struct Posed<Y, S> {
     pub y0: Y,
     pub v0: Option<Y>,
     pub span: Range<f64>,
-    pub scale: f64,
 }
 
 /// How a method fared at one tolerance or step size.
@@ -38,10 +37,10 @@ pub(super) trait Entrant {
     fn adaptive(&self) -> bool;
     /// The length of the span.
     fn span(&self) -> f64;
-    /// Runs twice: watched, for the states at `times`, and plain.
-    fn attempt(&self, setting: f64, times: &[f64], longest: Duration) -> Trial;
+    /// Runs twice: watched, for the states at `times`, and plain. An adaptive run has atol = rtol * `scale`.
+    fn attempt(&self, setting: f64, scale: f64, times: &[f64], longest: Duration) -> Trial;
     /// The time of `runs` plain runs.
-    fn seconds(&self, setting: f64, runs: u32) -> f64;
+    fn seconds(&self, setting: f64, scale: f64, runs: u32) -> f64;
 }
 
 /// What a setting means for a pace.
@@ -87,11 +86,16 @@ impl<Y: State<Scalar = f64>, S: System<Y> + Clone, M: Method, P: Paced> Typed<Y,
     /// One run, with the states at some times and a limit to its duration if it is watched. The loop is
     /// compiled here alone: once for all callers.
     #[inline(never)]
-    fn go(&self, setting: f64, watched: Option<(&[f64], Duration)>) -> Result<Solution<Y>, Stopped<Y>> {
-        let Posed { system, y0, v0, span, scale } = &self.posed;
+    fn go(
+        &self,
+        setting: f64,
+        scale: f64,
+        watched: Option<(&[f64], Duration)>,
+    ) -> Result<Solution<Y>, Stopped<Y>> {
+        let Posed { system, y0, v0, span } = &self.posed;
         let mut ivp = Ivp::new(system.clone(), y0.clone(), span.clone()).with(self.method.clone());
         ivp.v0.clone_from(v0);
-        let mut ivp = P::set(ivp, setting, *scale);
+        let mut ivp = P::set(ivp, setting, scale);
         if let Some((times, longest)) = watched {
             ivp = ivp.at(times).observe(in_time(longest));
         }
@@ -125,9 +129,9 @@ impl<Y: State<Scalar = f64>, S: System<Y> + Clone, M: Method, P: Paced> Entrant 
         self.posed.span.end - self.posed.span.start
     }
 
-    fn attempt(&self, setting: f64, times: &[f64], longest: Duration) -> Trial {
+    fn attempt(&self, setting: f64, scale: f64, times: &[f64], longest: Duration) -> Trial {
         let start = Instant::now();
-        let watched = match self.go(setting, Some((times, longest * WATCHED))) {
+        let watched = match self.go(setting, scale, Some((times, longest * WATCHED))) {
             Ok(solution) => solution,
             Err(stopped) => return Self::failed(&stopped),
         };
@@ -141,7 +145,7 @@ impl<Y: State<Scalar = f64>, S: System<Y> + Clone, M: Method, P: Paced> Entrant 
             return slow(&watched, start.elapsed().as_secs_f64());
         }
         let start = Instant::now();
-        let plain = match self.go(setting, None) {
+        let plain = match self.go(setting, scale, None) {
             Ok(solution) => solution,
             Err(stopped) => return Self::failed(&stopped),
         };
@@ -158,11 +162,11 @@ impl<Y: State<Scalar = f64>, S: System<Y> + Clone, M: Method, P: Paced> Entrant 
         Trial { states, stats: plain.stats, slow: false, seconds }
     }
 
-    fn seconds(&self, setting: f64, runs: u32) -> f64 {
+    fn seconds(&self, setting: f64, scale: f64, runs: u32) -> f64 {
         let start = Instant::now();
         for _ in 0..runs {
             // A failure shows in the trial; one that comes only now and then would be one of f itself.
-            let _ = black_box(self.go(black_box(setting), None));
+            let _ = black_box(self.go(black_box(setting), scale, None));
         }
         start.elapsed().as_secs_f64()
     }

@@ -51,7 +51,7 @@ pub(super) fn measure<'w>(
             // The turns of a cell with few are spread over all rounds, so that drift hits all alike.
             let turns = |round: u32| round * cell.quota / rounds;
             if turns(round + 1) > turns(round) {
-                let seconds = cell.entrant.seconds(cell.row.tolerance, cell.runs);
+                let seconds = cell.entrant.seconds(cell.row.tolerance, plan.scale, cell.runs);
                 cell.samples.push(seconds / f64::from(cell.runs));
             }
         }
@@ -105,7 +105,7 @@ fn sweep<'e>(
         if let Some(looser) = slow {
             row.failure = Some(format!("not run: took too long at {looser:.1e} already"));
         } else {
-            let trial = entrant.attempt(setting, &truth.times, plan.longest);
+            let trial = entrant.attempt(setting, plan.scale, &truth.times, plan.longest);
             row.evaluations = trial.stats.evaluations;
             row.accepted = trial.stats.accepted;
             row.rejected = trial.stats.rejected.total();

@@ -123,7 +123,7 @@ impl<'w, Y: State<Scalar = f64> + 'w, S: System<Y> + Clone + 'w> Comparison<'w, 
     where
         S: FnMut(f64, &Y, &mut Y) -> R,
     {
-        Self::of(problem, Posed { system: f, y0, v0: None, span, scale: 1.0 })
+        Self::of(problem, Posed { system: f, y0, v0: None, span })
     }
 
     /// Methods for y'' = f(t, y) from the position `y0` and the velocity `v0`. States of the reference and
@@ -132,12 +132,12 @@ impl<'w, Y: State<Scalar = f64> + 'w, S: System<Y> + Clone + 'w> Comparison<'w, 
     where
         S: FnMut(f64, &Y, &mut Y) -> R,
     {
-        Self::of(problem, Posed { system: f, y0, v0: Some(v0), span, scale: 1.0 })
+        Self::of(problem, Posed { system: f, y0, v0: Some(v0), span })
     }
 
     fn of(problem: &str, posed: Posed<Y, S>) -> Self {
         let plan = Plan {
-            tolerances: (3..=13).map(|k| 10f64.powi(-k)).collect(),
+            tolerances: (2..=14).map(|k| 10f64.powi(-k)).collect(),
             steps: vec![],
             scale: 1.0,
             budget: Duration::from_secs(3),
@@ -167,7 +167,7 @@ impl<'w, Y: State<Scalar = f64> + 'w, S: System<Y> + Clone + 'w> Comparison<'w, 
         self
     }
 
-    /// rtol for each adaptive run. Default 1e-3, 1e-4, ..., 1e-13.
+    /// rtol for each adaptive run. Default 1e-2, 1e-3, ..., 1e-14.
     pub fn tolerances(mut self, tolerances: &[f64]) -> Self {
         self.plan.tolerances = tolerances.to_vec();
         self
@@ -192,11 +192,9 @@ impl<'w, Y: State<Scalar = f64> + 'w, S: System<Y> + Clone + 'w> Comparison<'w, 
         self
     }
 
-    /// The size below which a component does not matter, in errors and in atol. Default 1. Set it before the
-    /// methods are entered.
+    /// The size below which a component does not matter, in errors and in atol. Default 1.
     pub fn scale(mut self, scale: f64) -> Self {
         self.plan.scale = scale;
-        self.posed.scale = scale;
         self
     }
 
@@ -231,7 +229,7 @@ impl<'w, Y: State<Scalar = f64> + 'w, S: System<Y> + Clone + 'w> Comparison<'w, 
         if let Some(&x) = numbers.concat().iter().find(|&&x| !(x > 0.0 && x.is_finite())) {
             return Err(Unfit::NotPositive(x));
         }
-        let truth = truth::find(&self.posed, self.end, self.exact)?;
+        let truth = truth::find(&self.posed, self.plan.scale, self.end, self.exact)?;
         let rows = measure::measure(&self.problem, &self.entrants, &self.plan, &truth, &mut self.progress);
         Ok(Outcome { rows, reference: truth.reference })
     }

@@ -41,6 +41,7 @@ type Exact<'w> = Box<dyn Fn(f64) -> Vec<f64> + 'w>;
 
 pub(super) fn find<Y: State<Scalar = f64>, S: System<Y> + Clone>(
     posed: &Posed<Y, S>,
+    scale: f64,
     end: Option<Vec<f64>>,
     exact: Option<Exact>,
 ) -> Result<Truth, Unfit> {
@@ -62,14 +63,14 @@ pub(super) fn find<Y: State<Scalar = f64>, S: System<Y> + Clone>(
         };
         return Ok(Truth { times, end, along, reference });
     }
-    match (tight(posed, &times, TIGHT), end) {
+    match (tight(posed, scale, &times, TIGHT), end) {
         (Ok(along), Some(end)) => Ok(Truth { times, end, along, reference: Reference::Given }),
         (Err(_), Some(end)) => Ok(Truth { times, end, along: vec![], reference: Reference::Given }),
         (Err(why), None) => Err(Unfit::NoReference(why)),
         (Ok(along), None) => {
-            let second = tight(posed, &times, SECOND).map_err(Unfit::NoReference)?;
+            let second = tight(posed, scale, &times, SECOND).map_err(Unfit::NoReference)?;
             let end = along[TIMES - 1].clone();
-            let spread = distance(&second[TIMES - 1], &end, posed.scale);
+            let spread = distance(&second[TIMES - 1], &end, scale);
             let method = Verner87Efficient.name().to_string();
             Ok(Truth { times, end, along, reference: Reference::Run { method, rtol: TIGHT, spread } })
         }
@@ -94,16 +95,17 @@ pub(super) fn distance(y: &[f64], reference: &[f64], scale: f64) -> f64 {
 /// The states at the times, each at the end of a run from the one before: no interpolant is trusted.
 fn tight<Y: State<Scalar = f64>, S: System<Y> + Clone>(
     posed: &Posed<Y, S>,
+    scale: f64,
     times: &[f64],
     rtol: f64,
 ) -> Result<Vec<Vec<f64>>, String> {
-    let Posed { system, y0, v0, span, scale } = posed;
+    let Posed { system, y0, v0, span } = posed;
     match v0 {
-        None => legs(system, y0.clone(), span.start, times, rtol, *scale),
+        None => legs(system, y0.clone(), span.start, times, rtol, rtol * scale),
         Some(v0) => {
             let halves = Halves { system: system.clone(), x: y0.clone(), a: v0.clone() };
             let y0 = [y0.as_slice(), v0.as_slice()].concat();
-            legs(&halves, y0, span.start, times, rtol, *scale)
+            legs(&halves, y0, span.start, times, rtol, rtol * scale)
         }
     }
 }
@@ -114,12 +116,12 @@ fn legs<Y: State<Scalar = f64>, S: System<Y> + Clone>(
     mut t: f64,
     times: &[f64],
     rtol: f64,
-    scale: f64,
+    atol: f64,
 ) -> Result<Vec<Vec<f64>>, String> {
     let start = Instant::now();
     let mut states = vec![];
     for &end in times {
-        let ivp = Ivp::new(system.clone(), y, t..end).with(Verner87Efficient).rtol(rtol).atol(rtol * scale);
+        let ivp = Ivp::new(system.clone(), y, t..end).with(Verner87Efficient).rtol(rtol).atol(atol);
         let left = PATIENCE.saturating_sub(start.elapsed());
         let solution = ivp.observe(in_time(left)).run().map_err(|stopped| stopped.to_string())?;
         if solution.t != end {

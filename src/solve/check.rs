@@ -1,5 +1,6 @@
 //! What a problem and its options must fulfil before the first step.
 
+use super::control::Controller;
 use super::ivp::Options;
 use super::outcome::first_non_finite;
 use super::run::Pace;
@@ -39,6 +40,9 @@ pub(crate) fn check<M: Method, Y: State, P: Pace>(
             return Some(format!("the span's {what} is {t}: it must be finite"));
         }
     }
+    if !(span.end - span.start).finite() {
+        return Some(format!("the span from {} to {} is too long for the numbers", span.start, span.end));
+    }
     for (what, state) in [("y0", Some(y0)), ("v0", v0)] {
         if let Some(i) = state.and_then(first_non_finite) {
             return Some(format!("component {i} of {what} is a NaN or an infinity"));
@@ -59,6 +63,17 @@ pub(crate) fn check<M: Method, Y: State, P: Pace>(
             {
                 return Some(format!("{what} is {h}: it must be positive"));
             }
+        }
+        if let Some(max_step) = options.max_step
+            && max_step < options.min_step
+        {
+            return Some(format!("min_step is {} but max_step is {max_step}", options.min_step));
+        }
+        if let Some(Controller { safety, shrink, grow, .. }) = options.controller
+            && !(shrink > 0.0 && shrink < 1.0 && safety > 0.0 && safety <= 1.0 && grow >= 1.0 && grow.is_finite())
+        {
+            let wants = "0 < shrink < 1, 0 < safety <= 1 and 1 <= grow";
+            return Some(format!("the controller has shrink {shrink}, safety {safety}, grow {grow}: it needs {wants}"));
         }
     } else {
         let h = options.step.unwrap_or(zero);

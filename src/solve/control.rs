@@ -87,7 +87,7 @@ impl Control {
             - self.steps * self.change;
         let limit = if self.rejected { 0.0 } else { self.grow };
         self.change = (self.weights[0] * e + known).max(self.shrink).min(limit);
-        self.errors = [e, self.errors[0]];
+        self.errors = [e.max(FORGOTTEN), self.errors[0]];
         self.rejected = false;
         exp(self.change)
     }
@@ -111,6 +111,10 @@ impl Control {
 /// Bits of a number a little below 1, chosen so that the largest error of the two functions below is least.
 const ONE: i64 = 0x3fef_5000_0000_0000;
 const MANTISSA: f64 = (1u64 << 52) as f64;
+
+/// The square of an error of 1e-4. What was smaller says no more about the next one: after a zero, an error of
+/// any size would seem to explode (Hairer's codes have the same floor).
+const FORGOTTEN: f64 = -26.6 * MANTISSA;
 
 /// log2 of a number that is not negative, in units of 2^-52, read off its bits as a piecewise linear
 /// function. A step factor needs no more: its error of 3 % is a third of the safety margin.

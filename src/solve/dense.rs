@@ -1,10 +1,10 @@
 //! Values between steps: the table's own interpolant, else Hermite interpolation of matching order.
 
-use super::outcome::Interpolant;
+use super::outcome::{Interpolant, Why, first_non_finite};
 use crate::step::method::Method;
 use crate::step::scalar::{Real, Scalar};
 use crate::step::state::{RealOf, State};
-use crate::step::stepper::{Refused, Stepper, start_slope_at};
+use crate::step::stepper::{Stepper, start_slope_at};
 use crate::step::system::System;
 use crate::tableau::{DoubleDouble as D, Form, Meaning, Row};
 use num_traits::{One, Zero};
@@ -79,19 +79,30 @@ impl<Y: State> Dense<Y> {
         matches!(self.interpolant, Interpolant::Own { .. })
     }
 
-    /// Evaluates what the interpolant needs beside the stages, once per step; returns the evaluations.
+    /// Evaluates what the interpolant needs beside the stages, once per step, and counts it.
     pub fn prepare<M: Method, S: System<Y>>(
         &mut self,
         stepper: &Stepper<M, Y>,
         system: &mut S,
         t: RealOf<Y>,
         h: RealOf<Y>,
-    ) -> Result<u64, Refused> {
+        t1: RealOf<Y>,
+        evaluations: &mut u64,
+    ) -> Result<(), Why> {
         if self.ready {
-            return Ok(0);
+            return Ok(());
         }
         let form = stepper.form();
-        let refused = |_| Refused { stage: form.s };
+        let mut ask = |t: RealOf<Y>, y: &Y, slope: &mut Y| {
+            *evaluations += 1;
+            system.rhs(t, y, slope).map_err(|_| Why::OutOfDomain { stage: form.s })?;
+            match first_non_finite(slope) {
+                Some(component) => Err(Why::NonFinite { component, stage: None }),
+                None => Ok(()),
+            }
+        };
+        // Rounding does not carry f beyond the end of the step.
+        let end = if ((t + h) > t1) == (t1 > t) { t1 } else { t + h };
         if self.slopes.is_empty() {
             self.slopes = vec![self.value.clone(); if self.is_own() { form.extra } else { 2 + self.interior }];
             if !self.is_own() && form.d == 1 {
@@ -103,26 +114,24 @@ impl<Y: State> Dense<Y> {
                 let row = &form.stage[form.s + i];
                 self.stage_value(form, stepper.read(), row, h);
                 let c = RealOf::<Y>::of(form.c[form.s + i]);
-                system.rhs(t + c * h, &self.value, &mut self.slopes[i]).map_err(refused)?;
+                let at = if c == RealOf::<Y>::one() { end } else { t + c * h };
+                ask(at, &self.value, &mut self.slopes[i])?;
             }
             self.ready = true;
-            return Ok(form.extra as u64);
+            return Ok(());
         }
-        let mut evaluations = 0;
         if self.carried {
             self.slopes.swap(0, 1);
         } else if let Some(i) = start_slope_at(form) {
             copy(&mut self.slopes[0], stepper.word(i));
         } else {
-            system.rhs(t, stepper.y(), &mut self.slopes[0]).map_err(refused)?;
-            evaluations += 1;
+            ask(t, stepper.y(), &mut self.slopes[0])?;
         }
         self.carried = false;
         if let Some(i) = stepper.next_slope_at() {
             copy(&mut self.slopes[1], stepper.word(i));
         } else {
-            system.rhs(t + h, stepper.next(0), &mut self.slopes[1]).map_err(refused)?;
-            evaluations += 1;
+            ask(end, stepper.next(0), &mut self.slopes[1])?;
         }
         for level in 1..self.levels.len() {
             // A value of the level below is good enough at every node, so slopes may be renewed in place.
@@ -131,12 +140,11 @@ impl<Y: State> Dense<Y> {
                 let weights = self.levels[level - 1].weights(theta);
                 let slopes = &self.slopes[..level + 1];
                 hermite(&mut self.value, &weights, h, stepper.y(), stepper.next(0), slopes);
-                system.rhs(t + theta * h, &self.value, &mut self.slopes[2 + i]).map_err(refused)?;
-                evaluations += 1;
+                ask(t + theta * h, &self.value, &mut self.slopes[2 + i])?;
             }
         }
         self.ready = true;
-        Ok(evaluations)
+        Ok(())
     }
 
     /// y at t + theta h, after [`prepare`](Self::prepare).
@@ -189,24 +197,26 @@ impl<Y: State> Dense<Y> {
         }
     }
 
-    /// y' at the end of the step, and the evaluations it took.
+    /// y' at the end of the step.
     pub fn end_velocity<M: Method, S: System<Y>>(
         &mut self,
         stepper: &Stepper<M, Y>,
         system: &mut S,
         t: RealOf<Y>,
         h: RealOf<Y>,
+        t1: RealOf<Y>,
         out: &mut Y,
-    ) -> Result<u64, Refused> {
+        evaluations: &mut u64,
+    ) -> Result<(), Why> {
         let form = stepper.form();
         if let Some(j) = (0..form.r).find(|&j| form.means[j] == Meaning::V) {
             copy(out, stepper.next(j));
-            return Ok(0);
+            return Ok(());
         }
-        let evaluations = self.prepare(stepper, system, t, h)?;
+        self.prepare(stepper, system, t, h, t1, evaluations)?;
         let (_, end) = self.velocities(stepper, h);
         out.as_mut_slice().iter_mut().enumerate().for_each(|(i, v)| *v = end(i));
-        Ok(evaluations)
+        Ok(())
     }
 
     /// Velocities at both ends: carried, or of second order from the positions, as in Störmer–Verlet:

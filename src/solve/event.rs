@@ -1,6 +1,6 @@
 //! Events: roots of a function of the solution, found on the dense output.
 
-use crate::step::scalar::Real;
+use crate::step::scalar::{Real, Scalar};
 use crate::step::state::{RealOf, State};
 use num_traits::{One, Zero};
 
@@ -28,6 +28,25 @@ pub(crate) struct Event<'w, Y: State> {
     pub then: Then<'w, Y>,
     /// g where the last step ended; none before the first step and after a change of the state.
     pub last: Option<RealOf<Y>>,
+    /// g at the root where the event has just changed the state.
+    pub root: Option<RealOf<Y>>,
+    /// What g misses its root by, where the change left it there: no more than that is as good as zero.
+    pub miss: RealOf<Y>,
+}
+
+impl<Y: State> Event<'_, Y> {
+    /// g near a root that was left behind.
+    fn settled(&mut self, t: RealOf<Y>, y: &Y) -> RealOf<Y> {
+        let g = (self.g)(t, y);
+        if g.modulus() <= self.miss { RealOf::<Y>::zero() } else { g }
+    }
+
+    /// Some event changed the state at t to y. A root that lies behind is not found again.
+    pub fn restart(&mut self, t: RealOf<Y>, y: &Y) {
+        let g = (self.g)(t, y);
+        self.miss = if self.root.take() == Some(g) { g.modulus() } else { RealOf::<Y>::zero() };
+        self.last = Some(self.settled(t, y));
+    }
 }
 
 /// A root inside a step.
@@ -42,6 +61,9 @@ pub(crate) struct Root<R> {
 /// Points of a step at which g is looked at: two roots nearer than this share of a step hide each other.
 const SAMPLES: usize = 8;
 
+/// More of them after a start at zero, where g may be back soon: a ball that hardly bounces any more.
+const NEAR: [f64; 10] = [1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2];
+
 /// The roots of one step in the order of time. A root at the end of a step belongs to it, one at its
 /// start does not; a g that starts at zero counts from where it has a sign.
 pub(crate) fn find_roots<Y: State>(
@@ -51,17 +73,19 @@ pub(crate) fn find_roots<Y: State>(
     t: RealOf<Y>,
     h: RealOf<Y>,
     t1: RealOf<Y>,
+    y: &mut Y,
 ) -> Vec<Root<RealOf<Y>>> {
     let zero = RealOf::<Y>::zero();
     let time = |theta: RealOf<Y>| if theta == RealOf::<Y>::one() { t1 } else { t + theta * h };
-    let mut y = y0.clone();
     let mut roots = vec![];
     for (event, e) in events.iter_mut().enumerate() {
         let (mut theta, mut g) = (zero, e.last.unwrap_or_else(|| (e.g)(t, y0)));
-        for k in 1..=SAMPLES {
-            let next = RealOf::<Y>::from_f64(k as f64 / SAMPLES as f64);
-            at(next, &mut y);
-            let g_next = (e.g)(time(next), &y);
+        let near = if g.is_zero() { &NEAR[..] } else { &[] };
+        let even = (1..=SAMPLES).map(|k| k as f64 / SAMPLES as f64);
+        for (k, next) in near.iter().copied().chain(even).enumerate() {
+            let next = RealOf::<Y>::from_f64(next);
+            at(next, y);
+            let g_next = if k < near.len() { e.settled(time(next), y) } else { (e.g)(time(next), y) };
             let rises = g < zero && g_next >= zero;
             let falls = g > zero && g_next <= zero;
             let counts = match e.crossing {
@@ -71,8 +95,8 @@ pub(crate) fn find_roots<Y: State>(
             };
             if counts {
                 let mut value = |theta| {
-                    at(theta, &mut y);
-                    (e.g)(time(theta), &y)
+                    at(theta, y);
+                    (e.g)(time(theta), y)
                 };
                 let theta = bracketed_root(&mut value, (theta, g), (next, g_next), t, h);
                 roots.push(Root { event, t: time(theta), theta });
@@ -93,12 +117,11 @@ fn bracketed_root<R: Real>(value: &mut impl FnMut(R) -> R, low: (R, R), high: (R
     let (mut a, mut ga) = low;
     let (mut b, mut gb) = high;
     let half = R::from_f64(0.5);
-    // 100 units in the last place of the time, as in SUNDIALS, and never below those of theta.
-    let tolerance = (R::from_f64(2.0) * R::EPSILON * ((t.modulus() + h.modulus()) / h.modulus()))
-        .maximum(R::from_f64(2.0) * R::EPSILON);
     let mut last = 0;
     for round in 0..200 {
-        if gb.is_zero() || (b - a).modulus() <= tolerance {
+        // No nearer than the spacing of times there: a ball that hardly bounces rises by little more than
+        // the last digits of where it touched.
+        if gb.is_zero() || (b - a) * h.modulus() <= (t + b * h).ulp() {
             return b;
         }
         let slope = gb - ga;

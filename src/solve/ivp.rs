@@ -246,7 +246,8 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Ivp<'w, Y, S, M, P> {
         g: impl FnMut(RealOf<Y>, &Y) -> RealOf<Y> + 'w,
         then: Then<'w, Y>,
     ) -> Self {
-        self.options.events.push(Event { g: Box::new(g), crossing, then, last: None });
+        let miss = RealOf::<Y>::from_f64(0.0);
+        self.options.events.push(Event { g: Box::new(g), crossing, then, last: None, root: None, miss });
         self
     }
 

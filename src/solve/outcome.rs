@@ -31,6 +31,15 @@ impl Rejections {
     pub fn total(&self) -> u64 {
         self.error + self.non_finite + self.domain
     }
+
+    /// One more, for this reason.
+    pub(crate) fn count(&mut self, why: &Why) {
+        match why {
+            Why::OutOfDomain { .. } => self.domain += 1,
+            Why::NonFinite { .. } => self.non_finite += 1,
+            _ => self.error += 1,
+        }
+    }
 }
 
 /// Where the values between steps come from, and their order.

@@ -8,9 +8,9 @@ use crate::step::norm::Tolerance;
 use crate::step::row::form_of;
 use crate::step::scalar::{Arith, Real, Scalar};
 use crate::step::state::{RealOf, State};
-use crate::step::stepper::Stepper;
+use crate::step::stepper::{Stepper, unseen_slope};
 use crate::step::system::System;
-use num_traits::Zero;
+use num_traits::{One, Zero};
 
 /// How the step is chosen: a type, so that only one of the two loops is compiled into a run.
 pub trait Pace {
@@ -48,7 +48,10 @@ pub(crate) struct Leg<M: Method, Y: State, S> {
     pub stepper: Stepper<M, Y>,
     pub system: S,
     pub t: RealOf<Y>,
+    /// Where the last step ends: at `stop`, or right before it where f jumps there.
     pub end: RealOf<Y>,
+    /// The time that then has come.
+    pub stop: RealOf<Y>,
     /// Signed. Fixed: the size of all steps; adaptive: of the next one.
     pub h: RealOf<Y>,
     /// Fixed: `t = origin + index h`, up to `steps`.
@@ -68,7 +71,9 @@ pub(crate) struct Leg<M: Method, Y: State, S> {
 /// How a leg ended.
 pub(crate) enum Ended {
     Reached,
-    /// The observer or an event asked for it.
+    /// A step was taken, and the next is to wait.
+    Paused,
+    /// The observer asked for it.
     Stopped,
     /// An event changed the state: a new leg begins at the leg's `t`.
     Changed,
@@ -83,7 +88,7 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
     rules: &Rules<RealOf<Y>>,
     watch: &mut Watch<'_, Y>,
 ) -> (Leg<M, Y, S>, Ended) {
-    let Leg { mut stepper, mut system, mut t, end, mut h, .. } = leg;
+    let Leg { mut stepper, mut system, mut t, end, stop, mut h, .. } = leg;
     let Leg { origin, mut index, steps, mut lost, mut control, mut stats, mut known, mut last, .. } = leg;
     let form = form_of(&stepper.method);
     let (stages, first_is_copy) = if const { Known::<M>::UNROLLED } {
@@ -91,7 +96,10 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
     } else {
         (form.s as u64, form.stage[0].copies())
     };
+    let unseen =
+        if const { Known::<M>::UNROLLED } { const { unseen_slope(Known::<M>::FORM) } } else { unseen_slope(form) };
     let mut before = h;
+    let longest = rules.max_step * (RealOf::<Y>::one() + RealOf::<Y>::from_f64(16.0) * RealOf::<Y>::EPSILON);
     let watching = watch.active();
     let ended = loop {
         if P::ADAPTIVE && stats.accepted + stats.rejected.total() >= rules.max_steps {
@@ -99,12 +107,13 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
         }
         // The time after this step, exact where it is the end.
         let (step, next, lands) = if P::ADAPTIVE {
-            let left = end - t;
-            let lands = left.modulus() <= h.modulus() * RealOf::<Y>::from_f64(1.0 + 1e-3);
-            if lands {
+            let left = (end - t) - lost;
+            // A little more than h is taken at once, lest a sliver be left.
+            let reach = (h.modulus() * RealOf::<Y>::from_f64(1.0 + 1e-3)).minimum(longest);
+            if left.modulus() <= reach {
                 (left, end, true)
             } else {
-                if h.modulus() <= rules.min_step.maximum(t.ulp() * RealOf::<Y>::from_f64(4.0)) {
+                if too_small(h, t, rules.min_step) {
                     break Ended::Failed(Why::StepTooSmall { limiting: stats.limiting });
                 }
                 (h, t + (h + lost), false)
@@ -114,7 +123,8 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
             (h, if lands { end } else { origin + RealOf::<Y>::from_f64((index + 1) as f64) * h }, lands)
         };
 
-        let attempted = stepper.attempt::<A, S>(&mut system, t, step, known);
+        let attempted = stepper.attempt::<A, S>(&mut system, (t, next), step, known);
+        let next = if lands { stop } else { next };
         stats.evaluations += stages - u64::from(known && first_is_copy);
         // A second try finds the first slope in place; a step that failed in its first stage does not.
         known = false;
@@ -123,67 +133,64 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
         let good = attempted.is_ok()
             && if P::ADAPTIVE {
                 square = stepper.error_square::<A>(step, &rules.tolerance).to_f64();
+                if let Some(at) = unseen && !all_finite(stepper.word(at).as_slice()) {
+                    square = f64::NAN;
+                }
                 square <= 1.0
             } else {
                 all_finite(stepper.next(0).as_slice())
             };
         if !good {
-            match attempted {
+            let why = match attempted {
                 Err(refused) => {
                     stats.rejected.domain += 1;
                     stats.evaluations -= stages - 1 - refused.stage as u64;
                     known = refused.stage > 0 && first_is_copy;
-                    if !P::ADAPTIVE {
-                        break Ended::Failed(Why::OutOfDomain { stage: refused.stage });
-                    }
                     h = step * RealOf::<Y>::from_f64(control.refused());
-                }
-                Ok(()) if !P::ADAPTIVE => {
-                    stats.rejected.non_finite += 1;
-                    break Ended::Failed(lend(&stepper, |s| not_finite(s)));
+                    Why::OutOfDomain { stage: refused.stage }
                 }
                 Ok(()) => {
-                    if square.is_finite() {
-                        stats.rejected.error += 1;
-                        stats = lend(&stepper, |s| vote(stats, s, step, &rules.tolerance));
-                    } else {
-                        stats.rejected.non_finite += 1;
-                    }
                     known = first_is_copy && lend(&stepper, |s| first_slope_is_finite(s));
                     h = step * RealOf::<Y>::from_f64(control.rejected(square));
+                    // An error beyond the range of numbers is an error all the same.
+                    let flaw = if P::ADAPTIVE && square.is_finite() { None } else { lend(&stepper, |s| not_finite(s)) };
+                    if let Some(why) = flaw {
+                        stats.rejected.non_finite += 1;
+                        why
+                    } else {
+                        stats.rejected.error += 1;
+                        stats = lend(&stepper, |s| vote(stats, s, step, &rules.tolerance));
+                        Why::StepTooSmall { limiting: stats.limiting }
+                    }
                 }
+            };
+            if !P::ADAPTIVE || too_small(h, t, rules.min_step) {
+                h = if P::ADAPTIVE { h } else { step };
+                break Ended::Failed(why);
             }
             before = h;
-            // A landing step that fails may leave a step below the limit: the test above stops it next time.
-            if h.modulus() <= t.ulp() * RealOf::<Y>::from_f64(4.0) {
-                break Ended::Failed(match attempted {
-                    Err(refused) => Why::OutOfDomain { stage: refused.stage },
-                    Ok(()) if !square.is_finite() => lend(&stepper, |s| not_finite(s)),
-                    Ok(()) => Why::StepTooSmall { limiting: stats.limiting },
-                });
-            }
             continue;
         }
 
         let mut flow = Flow::Go;
         if watching {
-            let evaluations;
-            (flow, evaluations) = lend(&stepper, |s| watch.show(s, &mut system, t, step, next));
-            stats.evaluations += evaluations;
+            let calls = &mut stats.evaluations;
+            flow = lend(&stepper, |s| watch.show(s, &mut system, t, step, next, calls));
             match flow {
-                Flow::Go | Flow::Stop => {}
-                Flow::Retry => {
-                    stats.rejected.domain += 1;
-                    if !P::ADAPTIVE {
-                        break Ended::Failed(Why::OutOfDomain { stage: stages as usize });
-                    }
+                Flow::Go | Flow::Pause | Flow::Stop => {}
+                Flow::Retry(why) => {
+                    stats.rejected.count(&why);
                     known = first_is_copy;
                     h = step * RealOf::<Y>::from_f64(control.refused());
+                    if !P::ADAPTIVE || too_small(h, t, rules.min_step) {
+                        h = if P::ADAPTIVE { h } else { step };
+                        break Ended::Failed(why);
+                    }
                     before = h;
                     continue;
                 }
                 Flow::Change(at) => {
-                    (t, last) = (at, step);
+                    (t, last) = (at, at - t);
                     stats.accepted += 1;
                     break Ended::Changed;
                 }
@@ -198,7 +205,7 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
         stats.accepted += 1;
         last = step;
         if P::ADAPTIVE {
-            lost = (step - (next - t)) + if lands { RealOf::<Y>::zero() } else { lost };
+            lost = (step - (next - t)) + lost;
             let next_step = step * RealOf::<Y>::from_f64(control.accepted(square));
             // A step cut short by the end says nothing about the size that was wanted.
             let next_step = if lands && next_step.modulus() < h.modulus() { h } else { next_step };
@@ -212,10 +219,17 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
         match flow {
             Flow::Stop => break Ended::Stopped,
             _ if lands => break Ended::Reached,
+            Flow::Pause => break Ended::Paused,
             _ => {}
         }
     };
-    (Leg { stepper, system, t, end, h, origin, index, steps, lost, control, stats, known, last }, ended)
+    (Leg { stepper, system, t, end, stop, h, origin, index, steps, lost, control, stats, known, last }, ended)
+}
+
+/// The step does not move the time, or not as far as it must at least.
+#[inline(always)]
+fn too_small<R: Real>(h: R, t: R, min_step: R) -> bool {
+    h.modulus() < min_step || h.modulus() <= t.ulp() * R::from_f64(4.0)
 }
 
 /// Looked at a block at a time, so that a long vector is read at the speed of memory.
@@ -228,7 +242,7 @@ fn all_finite<T: Scalar>(x: &[T]) -> bool {
 /// address that escapes would keep it in memory; itself where the vectors are on the heap anyway.
 #[inline(always)]
 fn lend<M: Method, Y: State, T>(stepper: &Stepper<M, Y>, to: impl FnOnce(&Stepper<M, Y>) -> T) -> T {
-    if const { Y::INLINE } {
+    if const { Y::INLINE && !M::READ } {
         let copy = stepper.clone();
         to(&copy)
     } else {
@@ -236,17 +250,15 @@ fn lend<M: Method, Y: State, T>(stepper: &Stepper<M, Y>, to: impl FnOnce(&Steppe
     }
 }
 
-/// Names the stage and the component where the first NaN or infinity arose.
+/// Names the stage and the component where the first NaN or infinity arose, if there is one.
 #[cold]
 #[inline(never)]
-fn not_finite<M: Method, Y: State>(stepper: &Stepper<M, Y>) -> Why {
+pub(crate) fn not_finite<M: Method, Y: State>(stepper: &Stepper<M, Y>) -> Option<Why> {
     let form = stepper.form();
-    for stage in 0..form.s {
-        if let Some(component) = first_non_finite(stepper.word(form.r + stage)) {
-            return Why::NonFinite { component, stage: Some(stage) };
-        }
-    }
-    Why::NonFinite { component: first_non_finite(stepper.next(0)).unwrap_or(0), stage: None }
+    let stage = (0..form.s)
+        .find_map(|stage| Some((first_non_finite(stepper.word(form.r + stage))?, Some(stage))));
+    let (component, stage) = stage.or_else(|| Some((first_non_finite(stepper.next(0))?, None)))?;
+    Some(Why::NonFinite { component, stage })
 }
 
 #[cold]

@@ -4,7 +4,7 @@ use super::control::{Control, Controller};
 use super::dense::Dense;
 use super::ivp::{Ivp, Options};
 use super::outcome::{Solution, Stats, Stopped, Why, first_non_finite};
-use super::run::{Ended, Leg, Pace, Rules, drive};
+use super::run::{Ended, Leg, Pace, Rules, drive, not_finite};
 use super::start::{History, fill, first_step, starter, steps_behind};
 use super::watch::{Flow, Watch};
 use crate::step::method::{Known, Method};
@@ -12,10 +12,11 @@ use crate::step::norm::Tolerance;
 use crate::step::row::form_of;
 use crate::step::scalar::{Fused, Plain, Real, Scalar};
 use crate::step::state::{RealOf, State};
-use crate::step::stepper::{Refused, Stepper};
+use crate::step::stepper::Stepper;
 use crate::step::system::System;
 use crate::tableau::{Form, Meaning};
 use num_traits::{One, Zero};
+use std::collections::VecDeque;
 use std::marker::PhantomData;
 
 /// A run in progress. As an iterator it gives the time and the state after each accepted step, and at
@@ -28,7 +29,9 @@ pub struct Steps<'w, Y: State, S, M: Method, P> {
     t: RealOf<Y>,
     y: Y,
     v: Option<Y>,
+    /// The size of the last step that was accepted, and of the one in hand.
     h: RealOf<Y>,
+    tried: RealOf<Y>,
     end: RealOf<Y>,
     /// Times at which a leg ends, the next one last.
     stops: Vec<RealOf<Y>>,
@@ -37,7 +40,10 @@ pub struct Steps<'w, Y: State, S, M: Method, P> {
     options: Options<'w, Y>,
     watch: Watch<'w, Y>,
     stats: Stats,
-    invalid: Option<String>,
+    /// Why the run cannot go on.
+    failed: Option<Why>,
+    /// Steps that started a multistep method and are still to be given by the iterator.
+    early: VecDeque<(RealOf<Y>, Y)>,
     done: bool,
     pace: PhantomData<P>,
 }
@@ -51,7 +57,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             }
         }
         let Ivp { system, y0, v0, span, method, mut options, .. } = ivp;
-        let invalid = super::check::check::<M, Y, P>(&method, &y0, v0.as_ref(), &span, &options);
+        let failed = super::check::check::<M, Y, P>(&method, &y0, v0.as_ref(), &span, &options).map(Why::Invalid);
         let (t, end) = (span.start, span.end);
         let form = form_of(&method);
         let stops = stops(t, end, &options.breaks);
@@ -79,8 +85,9 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             events: std::mem::take(&mut options.events),
             occurrences: vec![],
             landed: None,
-            stopped_by: None,
+            over: false,
             dense: Dense::new(form, &y0),
+            point: y0.clone(),
             second_order: form.d == 2,
         };
         let controller = options.controller.unwrap_or(Controller::default_of(form.order));
@@ -94,6 +101,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             y: y0,
             v: v0,
             h,
+            tried: h,
             end,
             stops,
             rules,
@@ -101,11 +109,12 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             options,
             watch,
             stats,
-            invalid,
+            failed,
+            early: VecDeque::new(),
             done: false,
             pace: PhantomData,
         };
-        if run.invalid.is_none() && run.watch.every_step {
+        if run.failed.is_none() && run.watch.every_step && run.watch.times.first() != Some(&t) {
             run.save_here();
         }
         run
@@ -123,7 +132,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
 
     fn stopped(&mut self, why: Why) -> Stopped<Y> {
         self.done = true;
-        Stopped { t: self.t, h: self.h, why, solution: Box::new(self.solution()) }
+        Stopped { t: self.t, h: self.tried, why, solution: Box::new(self.solution()) }
     }
 
     fn solution(&mut self) -> Solution<Y> {
@@ -144,8 +153,8 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
 
     /// Runs until something happens: the end of a leg, or one step where they are taken one by one.
     fn advance(&mut self) -> Result<(), Why> {
-        if let Some(text) = self.invalid.take() {
-            return Err(Why::Invalid(text));
+        if let Some(why) = self.failed.take() {
+            return Err(why);
         }
         while self.watch.next < self.watch.times.len() && self.watch.times[self.watch.next] == self.t {
             self.save_here();
@@ -155,8 +164,11 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             Some(leg) => leg,
             None => match self.stops.last() {
                 Some(&stop) => match self.begin(stop)? {
-                    Some(leg) => leg,
-                    None => return Ok(()),
+                    Some(leg) if self.early.is_empty() => leg,
+                    leg => {
+                        self.leg = leg;
+                        return Ok(());
+                    }
                 },
                 None => {
                     self.done = true;
@@ -166,19 +178,15 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         };
         let (leg, ended) = run_leg::<M, Y, S, P>(leg, &self.rules, &mut self.watch);
         self.stats = leg.stats;
-        (self.t, self.h) = (leg.t, if leg.stats.accepted > 0 { leg.last } else { leg.h });
+        (self.t, self.h, self.tried) = (leg.t, leg.last, leg.h);
         if let Ended::Changed = ended {
-            if let Some((y, v)) = self.watch.landed.take() {
-                (self.y, self.v) = (y, v);
-            }
             self.system = Some(leg.system);
-            self.watch.dense.forget();
-            self.done = self.watch.stopped_by.is_some();
+            self.land(leg.t);
             return self.guard_against_endless_events();
         }
         self.y.as_mut_slice().copy_from_slice(leg.stepper.y().as_slice());
         match ended {
-            Ended::Stopped if self.watch.one_by_one => {
+            Ended::Paused => {
                 self.leg = Some(leg);
                 return Ok(());
             }
@@ -189,10 +197,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         self.velocity_here(leg);
         self.watch.dense.forget();
         match ended {
-            Ended::Failed(why) => {
-                self.h = if P::ADAPTIVE { self.h } else { self.options.step.unwrap_or(self.h) };
-                Err(why)
-            }
+            Ended::Failed(why) => Err(why),
             _ => {
                 self.done |= self.stops.is_empty() && self.watch_is_served();
                 Ok(())
@@ -248,26 +253,35 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         let method = self.method.clone();
         let form = form_of(&method);
         let mut stepper = Stepper::new(self.method.clone(), &self.y);
-        // A break is met a few spacings early, where f still has its left value.
-        let nudge = stop.ulp() * RealOf::<Y>::from_f64(4.0);
+        // A break is met a few spacings early, where f still has its left value; spacings of zero are those
+        // of what rounding leaves of the way there.
+        let nudge = (stop.ulp() * RealOf::<Y>::from_f64(4.0)).maximum((stop - self.t).ulp().ulp());
         let end = match stop == self.end {
             true => stop,
             false if stop > self.t => stop - nudge,
             false => stop + nudge,
         };
+        // An event may have left nothing of the way.
+        if stop == self.t || (end > self.t) != (stop > self.t) {
+            self.t = stop;
+            self.stops.pop();
+            self.system = Some(system);
+            return Ok(None);
+        }
         let (mut steps, mut h) = (0, RealOf::<Y>::zero());
         if !P::ADAPTIVE {
             let size = self.options.step.unwrap_or(end - self.t);
             let span = end - self.t;
             steps = (span.modulus() / size.modulus()).to_f64().round().max(1.0) as u64;
             h = span / RealOf::<Y>::from_f64(steps as f64);
+            self.tried = h;
         }
         let origin = self.t;
         let mut history = History { ys: vec![self.y.clone()], slopes: vec![] };
         let behind = (steps_behind(form) as u64).min(steps);
         // Compiled only where there may be old steps to make.
         if const { M::READ || !Known::<M>::FORM.one_step() } && behind > 0 {
-            let begun = Begun { origin, h, steps, end, behind };
+            let begun = Begun { origin, h, steps, end, stop, behind };
             match self.first_steps(system, form, begun, &mut history)? {
                 Some(lent) => system = lent,
                 None => return Ok(None),
@@ -293,22 +307,24 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
                 return Err(Why::NonFinite { component, stage: Some(0) });
             }
             let order = form.order.min(form.embedded[0].max(form.embedded[1]));
-            h = match self.options.step.take() {
-                Some(size) => {
-                    let size = size.modulus().minimum(self.rules.max_step);
-                    if end > self.t { size } else { -size }
-                }
+            let size = match self.options.step.take() {
+                Some(size) => size,
                 None => {
                     let span = (self.t, end);
-                    first_step(&mut system, span, &self.y, slope, order, &self.rules, &mut self.stats)
+                    let h = first_step(&mut system, span, &self.y, slope, order, &self.rules, &mut self.stats);
+                    // Its guesses know neither the spacing of late times nor the least step.
+                    h.modulus().maximum(self.t.ulp() * RealOf::<Y>::from_f64(16.0)).maximum(self.rules.min_step)
                 }
             };
+            let size = size.minimum((end - self.t).modulus()).minimum(self.rules.max_step);
+            h = if end > self.t { size } else { -size };
         }
         Ok(Some(Leg {
             stepper,
             system,
             t: self.t,
             end,
+            stop,
             h,
             origin,
             index: behind,
@@ -317,7 +333,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             control: Control::new(self.controller, estimate_order(form)),
             stats: self.stats,
             known,
-            last: h,
+            last: self.h,
         }))
     }
 
@@ -328,38 +344,46 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         &mut self,
         mut system: S,
         form: &Form,
-        Begun { origin, h, steps, end, behind }: Begun<RealOf<Y>>,
+        Begun { origin, h, steps, end, stop, behind }: Begun<RealOf<Y>>,
         history: &mut History<Y>,
     ) -> Result<Option<S>, Why> {
         let mut first = Stepper::new(self.options.starter.clone().unwrap_or_else(|| starter(form)), &self.y);
         let lone = History { ys: vec![self.y.clone()], slopes: vec![] };
-        let refused = |r: Refused| Why::OutOfDomain { stage: r.stage };
-        self.stats.evaluations +=
-            fill(&mut first, &mut system, self.t, &lone, self.v.as_ref()).map_err(refused)?;
+        self.stats.evaluations += fill(&mut first, &mut system, self.t, &lone, self.v.as_ref())
+            .map_err(|refused| self.refused(refused.stage))?;
         for i in 1..=behind {
-            let mut slope = self.y.clone();
-            system.rhs(self.t, first.y(), &mut slope).map_err(|_| Why::OutOfDomain { stage: 0 })?;
-            history.slopes.push(slope);
-            first.attempt::<Plain, S>(&mut system, self.t, h, false).map_err(refused)?;
-            self.stats.evaluations += 1 + first.form().s as u64;
-            if let Some(component) = first_non_finite(first.next(0)) {
-                return Err(Why::NonFinite { component, stage: None });
-            }
             let next = if i == steps { end } else { origin + RealOf::<Y>::from_f64(i as f64) * h };
+            let mut slope = self.y.clone();
+            self.stats.evaluations += 1;
+            system.rhs(self.t, first.y(), &mut slope).map_err(|_| self.refused(0))?;
+            history.slopes.push(slope);
+            self.stats.evaluations += first.form().s as u64;
+            first
+                .attempt::<Plain, S>(&mut system, (self.t, next), h, false)
+                .map_err(|refused| self.refused(refused.stage))?;
+            if first_non_finite(first.next(0)).is_some()
+                && let Some(why) = not_finite(&first)
+            {
+                self.stats.rejected.non_finite += 1;
+                return Err(why);
+            }
+            let next = if i == steps { stop } else { next };
             if self.watch.active() {
-                let (flow, evaluations) = self.watch.show(&first, &mut system, self.t, h, next);
-                self.stats.evaluations += evaluations;
+                let calls = &mut self.stats.evaluations;
+                let flow = self.watch.show(&first, &mut system, self.t, h, next, calls);
                 self.watch.dense.forget();
                 match flow {
-                    Flow::Go => {}
-                    Flow::Retry => return Err(Why::OutOfDomain { stage: 0 }),
-                    Flow::Stop => self.done = !self.watch.one_by_one,
+                    Flow::Go | Flow::Pause => {}
+                    Flow::Retry(why) => {
+                        self.stats.rejected.count(&why);
+                        return Err(why);
+                    }
+                    Flow::Stop => self.done = true,
                     Flow::Change(at) => {
-                        if let Some((y, v)) = self.watch.landed.take() {
-                            (self.t, self.y, self.v) = (at, y, v);
-                        }
-                        self.done = self.watch.stopped_by.is_some();
+                        self.stats.accepted += 1;
                         self.system = Some(system);
+                        self.land(at);
+                        self.note_early();
                         return self.guard_against_endless_events().map(|()| None);
                     }
                 }
@@ -368,15 +392,16 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             self.stats.accepted += 1;
             (self.t, self.h) = (next, h);
             self.y.as_mut_slice().copy_from_slice(first.y().as_slice());
+            self.note_early();
             history.ys.push(self.y.clone());
             if let Some(j) = first.form().means[..first.form().r].iter().position(|&m| m == Meaning::V) {
                 self.v = Some(first.word(j).clone());
             }
             if self.done || i == steps {
                 self.system = Some(system);
-                if !self.done {
-                    self.t = self.stops.pop().unwrap_or(end);
-                    self.done = self.stops.is_empty();
+                if i == steps {
+                    self.stops.pop();
+                    self.done |= self.stops.is_empty();
                 }
                 return Ok(None);
             }
@@ -384,17 +409,40 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         Ok(Some(system))
     }
 
+    /// A step of fixed size was refused.
+    fn refused(&mut self, stage: usize) -> Why {
+        self.stats.rejected.domain += 1;
+        Why::OutOfDomain { stage }
+    }
+
+    /// Hands a step that starts a multistep method to the iterator.
+    fn note_early(&mut self) {
+        if self.watch.one_by_one {
+            self.early.push_back((self.t, self.y.clone()));
+        }
+    }
+
+    /// An event ended a leg at this time.
+    fn land(&mut self, at: RealOf<Y>) {
+        if let Some((y, v)) = self.watch.landed.take() {
+            (self.t, self.y, self.v) = (at, y, v);
+        }
+        self.watch.dense.forget();
+        self.done = self.watch.over;
+    }
+
     /// A ball that comes to rest bounces without end: the times between its events shrink to nothing.
     fn guard_against_endless_events(&mut self) -> Result<(), Why> {
         let occurred = &self.watch.occurrences;
         let Some(last) = occurred.last() else { return Ok(()) };
-        let before = occurred.iter().rev().skip(1).filter(|o| o.event == last.event).nth(7);
-        match before {
-            Some(o) if (last.t - o.t).modulus() <= last.t.ulp() * RealOf::<Y>::from_f64(1e5) => {
-                Err(Why::TooManyEvents { event: last.event })
-            }
-            _ => Ok(()),
-        }
+        let mut times = occurred.iter().rev().filter(|o| o.event == last.event).map(|o| o.t);
+        let mut gap = || Some((times.next()? - times.next()?).modulus());
+        let (Some(newest), Some(oldest)) = (gap(), times.nth(5).zip(times.next())) else { return Ok(()) };
+        let all = (last.t - oldest.1).modulus();
+        let ulps = |n: f64| last.t.ulp() * RealOf::<Y>::from_f64(n);
+        // At even times, however short against t, something is switched on and off.
+        let shrinking = newest + newest <= (oldest.0 - oldest.1).modulus() || all <= ulps(100.0);
+        if all <= ulps(1e5) && shrinking { Err(Why::TooManyEvents { event: last.event }) } else { Ok(()) }
     }
 }
 
@@ -404,6 +452,7 @@ struct Begun<R> {
     h: R,
     steps: u64,
     end: R,
+    stop: R,
     behind: u64,
 }
 
@@ -483,14 +532,24 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Iterator for Steps<'_, Y, S, M,
 
     fn next(&mut self) -> Option<Self::Item> {
         self.watch.one_by_one = true;
-        let accepted = self.stats.accepted;
-        while !self.done {
+        loop {
+            if let Some(step) = self.early.pop_front() {
+                return Some(Ok(step));
+            }
+            if self.done {
+                return None;
+            }
+            if let Some(why) = self.failed.take() {
+                return Some(Err(self.stopped(why)));
+            }
+            let accepted = self.stats.accepted;
             match self.advance() {
-                Err(why) => return Some(Err(self.stopped(why))),
-                Ok(()) if self.stats.accepted > accepted => return Some(Ok((self.t, self.y.clone()))),
+                Err(why) => self.failed = Some(why),
+                Ok(()) if self.early.is_empty() && self.stats.accepted > accepted => {
+                    return Some(Ok((self.t, self.y.clone())));
+                }
                 Ok(()) => {}
             }
         }
-        None
     }
 }

@@ -2,7 +2,7 @@
 
 use super::dense::Dense;
 use super::event::{Event, Then, find_roots};
-use super::outcome::Occurrence;
+use super::outcome::{Occurrence, Why};
 use crate::step::method::Method;
 use crate::step::state::{RealOf, State};
 use crate::step::stepper::Stepper;
@@ -24,13 +24,15 @@ pub struct Step<'s, Y: State> {
 pub(crate) type Observer<'w, Y> = dyn FnMut(&Step<Y>) -> ControlFlow<()> + 'w;
 
 /// What the loop does next.
-#[derive(Clone, Copy, PartialEq, Debug)]
+#[derive(PartialEq, Debug)]
 pub(crate) enum Flow<R> {
     Go,
+    /// Accept this step, then wait.
+    Pause,
     /// Accept this step, then end the run.
     Stop,
-    /// Dense output left the domain: try a smaller step.
-    Retry,
+    /// Dense output left the domain or the numbers: try a smaller step.
+    Retry(Why),
     /// An event ends the leg at this time, inside the step; the state there is in `landed`.
     Change(R),
 }
@@ -41,7 +43,7 @@ pub(crate) struct Watch<'w, Y: State> {
     pub times: Vec<RealOf<Y>>,
     pub next: usize,
     pub every_step: bool,
-    /// End the leg after each step: an iterator takes them one by one.
+    /// Pause after each step: an iterator takes them one by one.
     pub one_by_one: bool,
     pub ts: Vec<RealOf<Y>>,
     pub ys: Vec<Y>,
@@ -49,10 +51,12 @@ pub(crate) struct Watch<'w, Y: State> {
     pub observer: Option<Box<Observer<'w, Y>>>,
     pub events: Vec<Event<'w, Y>>,
     pub occurrences: Vec<Occurrence<Y>>,
+    /// Room for a state between steps.
+    pub point: Y,
     /// The state and velocity at which an event ended a leg, after its change.
     pub landed: Option<(Y, Option<Y>)>,
-    /// The event that ended the run for good.
-    pub stopped_by: Option<usize>,
+    /// An event or the observer ended the run for good.
+    pub over: bool,
     pub dense: Dense<Y>,
     pub second_order: bool,
 }
@@ -71,7 +75,7 @@ impl<Y: State> Watch<'_, Y> {
         if self.dense.next_step() { Some(self.dense.carried_slope()) } else { None }
     }
 
-    /// A step was attempted and is good. Returns what to do and the evaluations of the dense output.
+    /// A step was attempted and is good. Returns what to do, and counts the evaluations of the dense output.
     #[cold]
     #[inline(never)]
     pub fn show<M: Method, S: System<Y>>(
@@ -81,66 +85,77 @@ impl<Y: State> Watch<'_, Y> {
         t: RealOf<Y>,
         h: RealOf<Y>,
         t1: RealOf<Y>,
-    ) -> (Flow<RealOf<Y>>, u64) {
-        let mut evaluations = 0;
-        let mut flow = if self.one_by_one { Flow::Stop } else { Flow::Go };
+        evaluations: &mut u64,
+    ) -> Flow<RealOf<Y>> {
+        self.look(stepper, system, (t, t1), h, evaluations).unwrap_or_else(Flow::Retry)
+    }
+
+    fn look<M: Method, S: System<Y>>(
+        &mut self,
+        stepper: &Stepper<M, Y>,
+        system: &mut S,
+        (t, t1): (RealOf<Y>, RealOf<Y>),
+        h: RealOf<Y>,
+        evaluations: &mut u64,
+    ) -> Result<Flow<RealOf<Y>>, Why> {
+        let mut flow = if self.one_by_one { Flow::Pause } else { Flow::Go };
         let forward = t1 > t;
         let reached = |time: RealOf<Y>, end: RealOf<Y>| if forward { time <= end } else { time >= end };
 
         // Events first: one of them may end the step early.
         let mut end = t1;
         if !self.events.is_empty() {
-            match self.dense.prepare(stepper, system, t, h) {
-                Ok(n) => evaluations += n,
-                Err(_) => return (Flow::Retry, evaluations),
-            }
+            self.dense.prepare(stepper, system, t, h, t1, evaluations)?;
             let dense = &self.dense;
             let at = |theta: RealOf<Y>, out: &mut Y| match theta == RealOf::<Y>::one() {
                 true => out.as_mut_slice().copy_from_slice(stepper.next(0).as_slice()),
                 false => dense.at(stepper, h, theta, out),
             };
-            let roots = find_roots(&mut self.events, &at, stepper.y(), t, h, t1);
+            let roots = find_roots(&mut self.events, &at, stepper.y(), t, h, t1, &mut self.point);
             for root in roots {
-                let mut y = stepper.y().clone();
-                at(root.theta, &mut y);
+                // Only roots at the very same time still count after one that ended the step.
+                if flow == Flow::Change(end) && root.t != end {
+                    break;
+                }
+                let (mut y, v) = self.landed.take().unwrap_or_else(|| {
+                    let mut y = stepper.y().clone();
+                    at(root.theta, &mut y);
+                    let v = self.second_order.then(|| {
+                        let mut v = stepper.y().clone();
+                        dense.velocity_at(stepper, h, root.theta, &mut v);
+                        v
+                    });
+                    (y, v)
+                });
                 self.occurrences.push(Occurrence { event: root.event, t: root.t, y: y.clone() });
-                match &mut self.events[root.event].then {
-                    Then::Record => continue,
-                    Then::Stop => {
-                        self.stopped_by = Some(root.event);
-                        self.landed = Some((y, None));
-                    }
+                let event = &mut self.events[root.event];
+                match &mut event.then {
+                    Then::Record if flow != Flow::Change(end) => continue,
+                    Then::Record => {}
+                    Then::Stop => self.over = true,
                     Then::Change(change) => {
+                        event.root = Some((event.g)(root.t, &y));
                         change(root.t, &mut y);
-                        self.landed = Some((y, None));
                     }
                 }
-                if self.second_order {
-                    let mut v = stepper.y().clone();
-                    self.dense.velocity_at(stepper, h, root.theta, &mut v);
-                    if let Some(landed) = &mut self.landed {
-                        landed.1 = Some(v);
-                    }
-                }
+                self.landed = Some((y, v));
                 end = root.t;
-                flow = Flow::Change(root.t);
-                break;
+                flow = Flow::Change(end);
+            }
+            if let Some((y, _)) = &self.landed {
+                self.events.iter_mut().for_each(|event| event.restart(end, y));
             }
         }
 
+        let mut saved = false;
         while self.next < self.times.len() && reached(self.times[self.next], end) {
             let time = self.times[self.next];
             // The ends of a step are given back as they were computed, to the last bit.
             if time == t1 && end == t1 {
-                match self.save_end(stepper, system, t, h, t1) {
-                    Some(n) => evaluations += n,
-                    None => return (Flow::Retry, evaluations),
-                }
+                self.save_end(stepper, system, t, h, t1, evaluations)?;
+                saved = true;
             } else {
-                match self.dense.prepare(stepper, system, t, h) {
-                    Ok(n) => evaluations += n,
-                    Err(_) => return (Flow::Retry, evaluations),
-                }
+                self.dense.prepare(stepper, system, t, h, t1, evaluations)?;
                 let theta = (time - t) / h;
                 let mut y = stepper.y().clone();
                 self.dense.at(stepper, h, theta, &mut y);
@@ -154,17 +169,14 @@ impl<Y: State> Watch<'_, Y> {
             }
             self.next += 1;
         }
-        if self.every_step {
-            match (&self.landed, flow) {
-                (Some((y, v)), Flow::Change(at)) => {
-                    self.ts.push(at);
+        if self.every_step && (!saved || self.landed.is_some()) {
+            match &self.landed {
+                Some((y, v)) => {
+                    self.ts.push(end);
                     self.ys.push(y.clone());
                     self.vs.extend(v.clone());
                 }
-                _ => match self.save_end(stepper, system, t, h, t1) {
-                    Some(n) => evaluations += n,
-                    None => return (Flow::Retry, evaluations),
-                },
+                None => self.save_end(stepper, system, t, h, t1, evaluations)?,
             }
         }
         if let Some(observer) = &mut self.observer {
@@ -173,14 +185,17 @@ impl<Y: State> Watch<'_, Y> {
                 None => stepper.next(0),
             };
             let size = if end == t1 { h } else { end - t };
-            if observer(&Step { t: end, h: size, y }).is_break() && flow == Flow::Go {
-                flow = Flow::Stop;
+            if observer(&Step { t: end, h: size, y }).is_break() {
+                self.over = true;
+                if !matches!(flow, Flow::Change(_)) {
+                    flow = Flow::Stop;
+                }
             }
         }
-        (flow, evaluations)
+        Ok(flow)
     }
 
-    /// Saves the state at the end of the step; None where the velocity there could not be had.
+    /// Saves the state at the end of the step, and the velocity there.
     fn save_end<M: Method, S: System<Y>>(
         &mut self,
         stepper: &Stepper<M, Y>,
@@ -188,15 +203,15 @@ impl<Y: State> Watch<'_, Y> {
         t: RealOf<Y>,
         h: RealOf<Y>,
         t1: RealOf<Y>,
-    ) -> Option<u64> {
-        let mut evaluations = 0;
+        evaluations: &mut u64,
+    ) -> Result<(), Why> {
         if self.second_order {
             let mut v = stepper.y().clone();
-            evaluations = self.dense.end_velocity(stepper, system, t, h, &mut v).ok()?;
+            self.dense.end_velocity(stepper, system, t, h, t1, &mut v, evaluations)?;
             self.vs.push(v);
         }
         self.ts.push(t1);
         self.ys.push(stepper.next(0).clone());
-        Some(evaluations)
+        Ok(())
     }
 }

@@ -170,9 +170,9 @@ fn squares<A: Arith, Y: State, const K: usize>(
     y1: &Y,
     tolerance: &super::norm::Tolerance<RealOf<Y>>,
 ) -> RealOf<Y> {
-    // An error row has no base: every term carries h^d, which is multiplied in once, after the sum.
-    let square = y1.error_square::<A, K>(&x[0], tolerance, |j| RealOf::<Y>::of(row.a[j]), |j| &x[row.at[j]]);
-    if row.len > 0 { square * (h[row.power[0]] * h[row.power[0]]) } else { square }
+    // An error row has no base: every term carries h^d, which is multiplied in once.
+    let scale = h[row.power[0]];
+    y1.error_square::<A, K>(&x[0], tolerance, scale, |j| RealOf::<Y>::of(row.a[j]), |j| &x[row.at[j]])
 }
 
 /// Repeats the body for I = 0, 1, .. as a constant item, up to the most stages a method may have.

@@ -35,7 +35,8 @@ pub trait Real:
     + Neg<Output = Self>
 {
     const EPSILON: Self;
-    /// What stands for a tolerance of zero: it divides a zero error to zero, and any other to a rejection.
+    /// What stands for a tolerance of zero: it divides a zero error to zero, and any other to a rejection,
+    /// in steps of any size that a unit of time may ask for.
     const TINY: Self;
     /// A coefficient, rounded once from its 32 digits.
     fn of(coefficient: DoubleDouble) -> Self;
@@ -54,7 +55,7 @@ pub trait Real:
 }
 
 macro_rules! hardware {
-    ($t:ident, $of:expr) => {
+    ($t:ident, $of:expr, $tiny:expr) => {
         impl Scalar for $t {
             type Real = $t;
             const NEG_ZERO: $t = -0.0;
@@ -81,7 +82,7 @@ macro_rules! hardware {
         }
         impl Real for $t {
             const EPSILON: $t = $t::EPSILON;
-            const TINY: $t = $t::MIN_POSITIVE;
+            const TINY: $t = $tiny;
             #[inline(always)]
             fn of(coefficient: DoubleDouble) -> $t {
                 $of(coefficient)
@@ -121,8 +122,8 @@ macro_rules! hardware {
         }
     };
 }
-hardware!(f64, DoubleDouble::hi);
-hardware!(f32, DoubleDouble::to_f32);
+hardware!(f64, DoubleDouble::hi, 1e-280);
+hardware!(f32, DoubleDouble::to_f32, 1e-30);
 
 impl Zero for DoubleDouble {
     fn zero() -> Self {

@@ -2,7 +2,7 @@
 
 use super::norm::Tolerance;
 use super::scalar::{Arith, Real, Scalar};
-use num_traits::{One, Zero};
+use num_traits::Zero;
 
 /// The real numbers of a state: its times, steps, tolerances.
 pub type RealOf<Y> = <<Y as State>::Scalar as Scalar>::Real;
@@ -26,12 +26,13 @@ pub trait State: Clone {
     ) where
         Self: 'a;
 
-    /// The sum over components of the square of `sum_j a(j) x(j)` over its tolerance, for a step from
-    /// `y0` to `self`.
+    /// The sum over components of the square of `scale sum_j a(j) x(j)` over its tolerance, for a step from
+    /// `y0` to `self`. Not a number where `self` is not finite.
     fn error_square<'a, A: Arith, const K: usize>(
         &self,
         y0: &Self,
         tolerance: &Tolerance<RealOf<Self>>,
+        scale: RealOf<Self>,
         a: impl Fn(usize) -> RealOf<Self>,
         x: impl Fn(usize) -> &'a Self,
     ) -> RealOf<Self>
@@ -117,12 +118,15 @@ fn combine_short<'a, A: Arith, T: Scalar, const N: usize, const K: usize>(
     }
 }
 
-/// The square of one component's error over its tolerance.
+/// The square of one component's error over its tolerance. The scale meets the weight first: neither waits
+/// for the error, and no product leaves the range of numbers that the ratio itself is in.
 #[inline(always)]
-fn ratio_square<T: Scalar>(e: T, y0: T, y1: T, (rtol, atol): (T::Real, T::Real)) -> T::Real {
+fn ratio_square<T: Scalar>(scale: T::Real, e: T, y0: T, y1: T, (rtol, atol): (T::Real, T::Real)) -> T::Real {
     // A NaN in y1 passes through this maximum; `f64::max` would drop it.
     let weight = atol + rtol * y0.modulus().maximum(y1.modulus());
-    e.scale(T::Real::one() / weight).square()
+    // Nothing for a finite weight, else a NaN: an infinite state would divide any error to zero.
+    let flaw = weight - weight;
+    e.scale((scale + flaw) / weight).square()
 }
 
 /// Eight sums side by side, so that no addition waits for the one before.
@@ -133,6 +137,7 @@ fn error_square_long<'a, A: Arith, T: Scalar, const K: usize>(
     y0: &[T],
     y1: &[T],
     tolerance: &Tolerance<T::Real>,
+    scale: T::Real,
     a: impl Fn(usize) -> T::Real,
     x: impl Fn(usize) -> &'a [T],
 ) -> T::Real {
@@ -154,16 +159,16 @@ fn error_square_long<'a, A: Arith, T: Scalar, const K: usize>(
             for block in (0..whole).step_by(LANES) {
                 for (lane, sum) in sums.iter_mut().enumerate() {
                     let i = block + lane;
-                    *sum = *sum + ratio_square(error(i), y0[i], y1[i], (*rtol, *atol));
+                    *sum = *sum + ratio_square(scale, error(i), y0[i], y1[i], (*rtol, *atol));
                 }
             }
             for i in whole..n {
-                sums[0] = sums[0] + ratio_square(error(i), y0[i], y1[i], (*rtol, *atol));
+                sums[0] = sums[0] + ratio_square(scale, error(i), y0[i], y1[i], (*rtol, *atol));
             }
         }
         Tolerance::Each(each) => {
             for (i, &tolerance) in each.iter().enumerate().take(n) {
-                sums[i % LANES] = sums[i % LANES] + ratio_square(error(i), y0[i], y1[i], tolerance);
+                sums[i % LANES] = sums[i % LANES] + ratio_square(scale, error(i), y0[i], y1[i], tolerance);
             }
         }
     }
@@ -175,6 +180,7 @@ fn error_square_short<'a, A: Arith, T: Scalar, const N: usize, const K: usize>(
     y0: &[T; N],
     y1: &[T; N],
     tolerance: &Tolerance<T::Real>,
+    scale: T::Real,
     a: impl Fn(usize) -> T::Real,
     x: impl Fn(usize) -> &'a [T; N],
 ) -> T::Real {
@@ -182,7 +188,7 @@ fn error_square_short<'a, A: Arith, T: Scalar, const N: usize, const K: usize>(
     combine_short::<A, T, N, K>(&mut e, None, None, a, x);
     let mut sum = T::Real::zero();
     for i in 0..N {
-        sum = sum + ratio_square(e[i], y0[i], y1[i], tolerance.at(i));
+        sum = sum + ratio_square(scale, e[i], y0[i], y1[i], tolerance.at(i));
     }
     sum
 }
@@ -220,13 +226,14 @@ impl<T: Scalar, const N: usize> State for [T; N] {
         &self,
         y0: &Self,
         tolerance: &Tolerance<RealOf<Self>>,
+        scale: RealOf<Self>,
         a: impl Fn(usize) -> RealOf<Self>,
         x: impl Fn(usize) -> &'a Self,
     ) -> RealOf<Self> {
         if const { N <= SHORT } {
-            error_square_short::<A, T, N, K>(y0, self, tolerance, a, x)
+            error_square_short::<A, T, N, K>(y0, self, tolerance, scale, a, x)
         } else {
-            error_square_long::<A, T, K>(y0.as_slice(), self.as_slice(), tolerance, a, |j| x(j).as_slice())
+            error_square_long::<A, T, K>(y0.as_slice(), self.as_slice(), tolerance, scale, a, |j| x(j).as_slice())
         }
     }
     #[inline(always)]
@@ -267,13 +274,14 @@ impl<T: Scalar + nalgebra::Scalar, const N: usize> State for nalgebra::SVector<T
         &self,
         y0: &Self,
         tolerance: &Tolerance<RealOf<Self>>,
+        scale: RealOf<Self>,
         a: impl Fn(usize) -> RealOf<Self>,
         x: impl Fn(usize) -> &'a Self,
     ) -> RealOf<Self> {
         if const { N <= SHORT } {
-            error_square_short::<A, T, N, K>(&y0.data.0[0], &self.data.0[0], tolerance, a, |j| &x(j).data.0[0])
+            error_square_short::<A, T, N, K>(&y0.data.0[0], &self.data.0[0], tolerance, scale, a, |j| &x(j).data.0[0])
         } else {
-            error_square_long::<A, T, K>(y0.as_slice(), self.as_slice(), tolerance, a, |j| x(j).as_slice())
+            error_square_long::<A, T, K>(y0.as_slice(), self.as_slice(), tolerance, scale, a, |j| x(j).as_slice())
         }
     }
     #[inline(always)]
@@ -313,11 +321,12 @@ macro_rules! on_the_heap {
                 &self,
                 y0: &Self,
                 tolerance: &Tolerance<RealOf<Self>>,
+                scale: RealOf<Self>,
                 a: impl Fn(usize) -> RealOf<Self>,
                 x: impl Fn(usize) -> &'a Self,
             ) -> RealOf<Self> {
                 let (y0, y1) = (State::as_slice(y0), State::as_slice(self));
-                error_square_long::<A, T, K>(y0, y1, tolerance, a, |j| State::as_slice(x(j)))
+                error_square_long::<A, T, K>(y0, y1, tolerance, scale, a, |j| State::as_slice(x(j)))
             }
             #[inline(always)]
             fn take(&mut self, from: &mut Self) {

@@ -6,7 +6,7 @@ use super::row::{CarryRow, ErrorRow, Read, RowAt, StageRow, assemble, error_squa
 use super::scalar::{Arith, Real};
 use super::state::{RealOf, State};
 use super::system::System;
-use crate::tableau::{Form, Meaning, Row};
+use crate::tableau::{DoubleDouble, Form, Meaning, Row};
 use num_traits::{One, Zero};
 use std::marker::PhantomData;
 
@@ -66,7 +66,8 @@ impl<M: Method, Y: State> Stepper<M, Y> {
         &self.words.as_ref()[self.next_at(j)]
     }
 
-    /// Evaluates the stages and assembles z', leaving z as it is.
+    /// Evaluates the stages and assembles z', leaving z as it is. The step of size `h` from `t` ends at `end`,
+    /// which may differ from t + h by rounding; stages at the end of the step see that time.
     ///
     /// `known` says that F_0 is there already: the step is a retry, or the slope was needed before.
     ///
@@ -76,7 +77,7 @@ impl<M: Method, Y: State> Stepper<M, Y> {
     pub fn attempt<A: Arith, S: System<Y>>(
         &mut self,
         system: &mut S,
-        t: RealOf<Y>,
+        (t, end): (RealOf<Y>, RealOf<Y>),
         h: RealOf<Y>,
         known: bool,
     ) -> Result<(), Refused> {
@@ -86,8 +87,9 @@ impl<M: Method, Y: State> Stepper<M, Y> {
             let (x, out) = self.words.as_mut().split_at_mut(form.r + form.s);
             unroll!(Known::<M>::FORM.s, I => {
                 let c = RealOf::<Y>::of(const { Known::<M>::FORM.c[I] });
+                let at = if const { is_one(Known::<M>::FORM.c[I]) } { end } else { t + c * h };
                 let row = StageRow::<M, I>(PhantomData);
-                stage::<A, Y, S, _>(system, row, form.r, I, t + c * h, &powers, x, out, known)?;
+                stage::<A, Y, S, _>(system, row, form.r, I, at, &powers, x, out, known)?;
             });
             unroll!(Known::<M>::FORM.r, J => {
                 carry::<A, Y, _>(CarryRow::<M, J>(PhantomData), J, &powers, x, out);
@@ -97,7 +99,8 @@ impl<M: Method, Y: State> Stepper<M, Y> {
             let (x, out) = self.words.as_mut().split_at_mut(form.r + form.s);
             for i in 0..form.s {
                 let c = RealOf::<Y>::of(form.c[i]);
-                stage::<A, Y, S, _>(system, Read(&form.stage[i]), form.r, i, t + c * h, &powers, x, out, known)?;
+                let at = if is_one(form.c[i]) { end } else { t + c * h };
+                stage::<A, Y, S, _>(system, Read(&form.stage[i]), form.r, i, at, &powers, x, out, known)?;
             }
             for j in 0..form.r {
                 carry::<A, Y, _>(Read(&form.carry[j]), j, &powers, x, out);
@@ -172,6 +175,29 @@ impl<M: Method, Y: State> Stepper<M, Y> {
     }
 }
 
+/// The word that holds the slope at the end of a step which no error row looks at, as in DOP853: a NaN there
+/// would pass the error test and spoil every try of the next step.
+pub const fn unseen_slope(form: &Form) -> Option<usize> {
+    let mut j = 0;
+    while j < form.r {
+        if matches!(form.means[j], Meaning::F(0)) {
+            let at = target(form, j);
+            let (mut seen, mut e) = (false, 0);
+            while e < form.errors {
+                let mut i = 0;
+                while i < form.error[e].len {
+                    seen = seen || form.error[e].at[i] == at;
+                    i += 1;
+                }
+                e += 1;
+            }
+            return if seen { None } else { Some(at) };
+        }
+        j += 1;
+    }
+    None
+}
+
 /// The word that holds f(t_n, y_n) after an attempt, if the method evaluates it.
 pub fn start_slope_at(form: &Form) -> Option<usize> {
     let carried = (0..form.r).find(|&j| form.means[j] == Meaning::F(0));
@@ -227,6 +253,10 @@ fn stage<A: Arith, Y: State, S: System<Y>, R: RowAt>(
         system.rhs(t, &out[0], &mut x[r + i])
     };
     verdict.map_err(|_| Refused { stage: i })
+}
+
+const fn is_one(c: DoubleDouble) -> bool {
+    c.hi() == 1.0 && c.lo() == 0.0
 }
 
 /// The source of a row that computes nothing.

@@ -1,5 +1,7 @@
 //! Methods as data: a file becomes a [`Tableau`], is proven, and is lowered to the one [`Form`] that steps.
 
+mod criteria;
+mod derive;
 mod double_double;
 mod error;
 mod form;
@@ -10,12 +12,15 @@ mod prove;
 mod read;
 mod roots;
 mod series;
+mod stability;
 mod sums;
 mod trees;
 
+pub use derive::{Properties, Stages};
 pub use double_double::DoubleDouble;
 pub use error::{Broken, TableauError, Text};
 pub use form::{CARRIED, Form, Meaning, POWERS, Row, STAGES, TERMS};
+pub use read::{entries, value};
 
 use double_double::DoubleDouble as D;
 
@@ -28,6 +33,14 @@ impl<'t> Tableau<'t> {
         let tableau = read::read(text)?;
         prove::prove(&tableau)?;
         Ok(tableau)
+    }
+
+    /// Reads a file that the compiler has proven.
+    pub(crate) fn proven(text: &'t str) -> Self {
+        match read::read(text) {
+            Ok(tableau) => tableau,
+            Err(error) => panic!("the compiler has read it: {error}"),
+        }
     }
 
     /// The lowered table; `None` for the families outside the one form (Rosenbrock, pairs of tables).

@@ -20,6 +20,7 @@ macro_rules! ok {
 use ok;
 
 use super::error::{TableauError, Text};
+use super::number::number;
 use super::{CARRIED, D, STAGES, Scheme, Splitting, Steps, Tableau};
 use array::{imex, nystrom, partitioned, rosenbrock, runge_kutta, transformed};
 use file::{File, Key, about, shape, syntax};
@@ -283,4 +284,12 @@ pub fn entries<'t>(text: &'t str, key: &str) -> Option<Vec<Vec<&'t str>>> {
         })
         .collect(),
     )
+}
+
+/// The value of one entry, as [`entries`] gives it; `None` where it is no number.
+pub fn value(entry: &str) -> Option<D> {
+    match number(entry.as_bytes()) {
+        Ok((x, [])) => Some(x),
+        _ => None,
+    }
 }

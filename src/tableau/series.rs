@@ -192,6 +192,8 @@ impl<'m> Series<'m> {
 pub(super) enum Solution {
     /// y' of the step.
     Step,
+    /// v' of the step, for y'' = f(t, y).
+    Velocity,
     /// The solution of an embedded row.
     Embedded(usize),
 }
@@ -205,6 +207,8 @@ pub(super) struct Defect {
     pub sigma: i64,
     /// Weight of the method less weight of the exact solution, 1 / gamma.
     pub off: D,
+    /// The largest |z_j|, at least 1: the size of what the rows combine.
+    pub size: f64,
 }
 
 /// The defects on all trees to an order, smaller trees first.
@@ -216,11 +220,13 @@ pub(super) fn defects(forms: &Forms, solution: Solution, order: usize) -> Vec<De
     let defect = |(t, tree): (usize, &Tree)| {
         series.evaluate(t);
         let form = forms.of_colour(tree.colour);
-        let mut off = apply(&form.carry[0], &series.x, 0) - series.exact;
+        let row = (solution == Solution::Velocity) as usize;
+        let mut off = apply(&form.carry[row], &series.x, 0) - series.later(row);
         if let Solution::Embedded(e) = solution {
             off -= apply(&form.error[e], &series.x, 0);
         }
-        Defect { order: tree.order, sigma: tree.sigma, off }
+        let size = series.x[..form.r].iter().map(|z| z.abs().hi()).fold(1.0, f64::max);
+        Defect { order: tree.order, sigma: tree.sigma, off, size }
     };
     trees.iter().enumerate().map(defect).collect()
 }

@@ -1,0 +1,321 @@
+//! The work-precision plot of a problem: seconds against error, both in logarithms, a curve for each method.
+
+use kutta::compare::Row;
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{FontTransform, register_font};
+use std::path::Path;
+
+/// The picture in units that a scale turns into pixels, and the frame of the axes in it.
+const SIZE: (f64, f64) = (960.0, 660.0);
+const LEFT: f64 = 86.0;
+const RIGHT: f64 = 784.0;
+const TOP: f64 = 48.0;
+const BOTTOM: f64 = 598.0;
+/// The size of names and numbers, and the distance between lines of them.
+const FONT: f64 = 14.0;
+const LINE: f64 = 17.0;
+/// Pixels a unit in the PNG: two each way, for sharp screens, each the mean of two by two drawn ones, which
+/// makes lines smooth.
+const SHARP: usize = 2;
+const SMOOTH: usize = 2;
+const INK: RGBColor = RGBColor(0x33, 0x33, 0x33);
+const GRID: RGBColor = RGBColor(0xdd, 0xdd, 0xdd);
+const COLOURS: [RGBColor; 14] = [
+    RGBColor(0x9c, 0x75, 0x5f),
+    RGBColor(0x1f, 0x77, 0xb4),
+    RGBColor(0x17, 0xa2, 0xb8),
+    RGBColor(0x2c, 0x8f, 0x2c),
+    RGBColor(0x9a, 0xa8, 0x1e),
+    RGBColor(0xf0, 0x8c, 0x1a),
+    RGBColor(0xd6, 0x27, 0x28),
+    RGBColor(0x8e, 0x5b, 0xc0),
+    RGBColor(0x55, 0x55, 0x55),
+    RGBColor(0xe0, 0x6f, 0xb0),
+    RGBColor(0x0b, 0x3d, 0x91),
+    RGBColor(0x7a, 0x00, 0x40),
+    RGBColor(0x00, 0x5f, 0x3c),
+    RGBColor(0xb8, 0x86, 0x0b),
+];
+
+/// The runs of a method that no other of its runs beats in error and time both, from loose to tight, as
+/// (log10 error, log10 seconds), and the beaten ones.
+struct Curve {
+    name: String,
+    colour: RGBColor,
+    marker: usize,
+    best: Vec<(f64, f64)>,
+    beaten: Vec<(f64, f64)>,
+}
+
+pub struct Plot {
+    problem: String,
+    curves: Vec<Curve>,
+    /// log10 of the largest and the smallest error, of the shortest and the longest time.
+    x: (f64, f64),
+    y: (f64, f64),
+}
+
+type Area<DB> = DrawingArea<DB, Shift>;
+type Drawn = Result<(), String>;
+
+fn text_of(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}
+
+impl Plot {
+    /// A curve for each of the methods, whose place in the list decides its colour.
+    pub fn of(problem: &str, methods: &[&str], rows: &[Row]) -> Self {
+        let mut curves = vec![];
+        for (i, &name) in methods.iter().enumerate() {
+            let runs = rows.iter().filter(|row| row.problem == problem && row.method == name);
+            let mut points: Vec<(f64, f64)> = runs
+                .filter_map(|row| Some((row.error?.max(1e-17).log10(), row.seconds_min?.log10())))
+                .filter(|(error, _)| *error < 0.5)
+                .collect();
+            points.sort_by(|a, b| a.1.total_cmp(&b.1));
+            let (mut best, mut beaten): (Vec<(f64, f64)>, Vec<(f64, f64)>) = (vec![], vec![]);
+            for point in points {
+                let gains = best.last().is_none_or(|last| point.0 < last.0);
+                if gains { best.push(point) } else { beaten.push(point) }
+            }
+            if !best.is_empty() {
+                let (colour, marker) = (COLOURS[i % COLOURS.len()], i);
+                curves.push(Curve { name: name.to_string(), colour, marker, best, beaten });
+            }
+        }
+        let mut plot = Self { problem: problem.to_string(), curves, x: (0.0, -12.0), y: (-6.0, -3.0) };
+        let all = || plot.curves.iter().flat_map(|curve| curve.best.iter().copied());
+        if all().next().is_some() {
+            let range = |of: fn((f64, f64)) -> f64| {
+                let values = all().map(of);
+                values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
+            };
+            let (x, y) = (range(|p| p.0), range(|p| p.1));
+            (plot.x, plot.y) = ((x.1 + 0.3, x.0 - 0.3), (y.0 - 0.15, y.1 + 0.15));
+        }
+        plot
+    }
+
+    pub fn svg(&self, path: &Path) -> Drawn {
+        let mut text = String::new();
+        let size = (SIZE.0 as u32, SIZE.1 as u32);
+        let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
+        self.draw(&Pen { area: &area, scale: 1.0, sink: 0.0 })?;
+        drop(area);
+        std::fs::write(path, text).map_err(text_of)
+    }
+
+    pub fn png(&self, path: &Path) -> Drawn {
+        let (w, h) = (SIZE.0 as usize * SHARP, SIZE.1 as usize * SHARP);
+        let fine = (w * SMOOTH, h * SMOOTH);
+        let mut drawn = vec![0; 3 * fine.0 * fine.1];
+        let area = BitMapBackend::with_buffer(&mut drawn, (fine.0 as u32, fine.1 as u32)).into_drawing_area();
+        self.draw(&Pen { area: &area, scale: (SHARP * SMOOTH) as f64, sink: 0.17 })?;
+        drop(area);
+        let mean = |i: usize| {
+            let (row, column, channel) = (i / (3 * w), i / 3 % w, i % 3);
+            let at = |y: usize, x: usize| 3 * ((SMOOTH * row + y) * fine.0 + SMOOTH * column + x) + channel;
+            let block = (0..SMOOTH).flat_map(|y| (0..SMOOTH).map(move |x| (y, x)));
+            let sum: u32 = block.map(|(y, x)| u32::from(drawn[at(y, x)])).sum();
+            (sum / (SMOOTH * SMOOTH) as u32) as u8
+        };
+        let pixels: Vec<u8> = (0..3 * w * h).map(mean).collect();
+        let size = (w as u32, h as u32);
+        let picture = BitMapElement::with_owned_buffer((0, 0), size, pixels).ok_or("a picture of no size")?;
+        let area = BitMapBackend::new(path, size).into_drawing_area();
+        area.draw(&picture).map_err(text_of)?;
+        area.present().map_err(text_of)
+    }
+
+    fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        let part = |(from, to): (f64, f64), x: f64| (x - from) / (to - from);
+        (LEFT + part(self.x, x) * (RIGHT - LEFT), BOTTOM - part(self.y, y) * (BOTTOM - TOP))
+    }
+
+    fn draw<DB: DrawingBackend>(&self, pen: &Pen<DB>) -> Drawn {
+        // Text must be measured wherever a picture is made; this font is compiled in.
+        register_font("sans-serif", FontStyle::Normal, dejavu::sans::regular())
+            .map_err(|_| "the compiled-in font cannot be read".to_string())?;
+        pen.area.fill(&WHITE).map_err(text_of)?;
+        self.axes(pen)?;
+        for curve in &self.curves {
+            curve.draw(pen, |point| self.at(point))?;
+        }
+        self.labels(pen)?;
+        pen.area.present().map_err(text_of)
+    }
+
+    fn axes<DB: DrawingBackend>(&self, pen: &Pen<DB>) -> Drawn {
+        let step = if self.x.0 - self.x.1 > 9.0 { 2 } else { 1 };
+        for k in self.x.1.ceil() as i32..=self.x.0.floor() as i32 {
+            let (x, _) = self.at((f64::from(k), 0.0));
+            pen.line(&[(x, TOP), (x, BOTTOM)], GRID, 1.0)?;
+            if k % step == 0 {
+                pen.text(&format!("1e{k}"), (x, BOTTOM + 8.0), FONT, INK, (HPos::Center, VPos::Top))?;
+            }
+        }
+        let digits: &[i32] = if self.y.1 - self.y.0 > 2.0 { &[1] } else { &[1, 2, 5] };
+        for k in self.y.0.floor() as i32..=self.y.1.floor() as i32 {
+            for &digit in digits {
+                let (_, y) = self.at((0.0, f64::from(k) + f64::from(digit).log10()));
+                if (TOP..=BOTTOM).contains(&y) {
+                    pen.line(&[(LEFT, y), (RIGHT, y)], GRID, 1.0)?;
+                    pen.text(&duration(digit, k), (LEFT - 8.0, y), FONT, INK, (HPos::Right, VPos::Center))?;
+                }
+            }
+        }
+        pen.line(&[(LEFT, TOP), (LEFT, BOTTOM), (RIGHT, BOTTOM), (RIGHT, TOP), (LEFT, TOP)], INK, 1.0)?;
+        let (middle, below) = (0.5 * (LEFT + RIGHT), (HPos::Center, VPos::Top));
+        let title = format!("{}: time against error", self.problem);
+        pen.text(&title, (middle, 14.0), 19.0, INK, below)?;
+        pen.text("error at the end (smaller to the right)", (middle, BOTTOM + 34.0), 15.0, INK, below)?;
+        pen.upright("time of a run (shorter below)", (16.0, 0.5 * (TOP + BOTTOM)), 15.0, INK)
+    }
+
+    /// The names, each right behind the end of its curve where nothing is in the way, the others in a column
+    /// beside the frame, joined to their ends and moved up or down so that none covers another.
+    fn labels<DB: DrawingBackend>(&self, pen: &Pen<DB>) -> Drawn {
+        let mut taken = self.taken();
+        let mut outside: Vec<(&Curve, (f64, f64))> = vec![];
+        for curve in &self.curves {
+            let Some(&end) = curve.best.last() else { continue };
+            let (x, y) = self.at(end);
+            let width = 0.64 * FONT * curve.name.len() as f64;
+            let (left, right) = (x + 8.0, x + 8.0 + width);
+            let free = |&(px, py): &(f64, f64)| px < left - 1.0 || px > right || (py - y).abs() > 0.7 * LINE;
+            if right < RIGHT && y - 0.5 * LINE > TOP && taken.iter().all(free) {
+                pen.text(&curve.name, (left, y), FONT, curve.colour, (HPos::Left, VPos::Center))?;
+                taken.extend((0..=20).map(|i| (left + width * f64::from(i) / 20.0, y)));
+            } else {
+                outside.push((curve, (x, y)));
+            }
+        }
+        outside.sort_by(|a, b| a.1.1.total_cmp(&b.1.1));
+        let wanted: Vec<f64> = outside.iter().map(|(_, end)| end.1).collect();
+        let x = RIGHT + 20.0;
+        for ((curve, end), y) in outside.iter().zip(apart(&wanted, LINE, (TOP, BOTTOM))) {
+            pen.line(&[(end.0 + 6.0, end.1), (RIGHT + 4.0, y), (x - 4.0, y)], curve.colour.mix(0.5), 1.0)?;
+            pen.text(&curve.name, (x, y), FONT, curve.colour, (HPos::Left, VPos::Center))?;
+        }
+        Ok(())
+    }
+
+    /// Points so dense on all curves that no text fits between two neighbours.
+    fn taken(&self) -> Vec<(f64, f64)> {
+        let mut taken = vec![];
+        for curve in &self.curves {
+            taken.extend(curve.best.iter().chain(&curve.beaten).map(|&point| self.at(point)));
+            for ends in curve.best.windows(2) {
+                let ((x0, y0), (x1, y1)) = (self.at(ends[0]), self.at(ends[1]));
+                let n = (x1 - x0).hypot(y1 - y0).ceil();
+                taken.extend((1..n as u32).map(|i| f64::from(i) / n).map(|s| (x0 + s * (x1 - x0), y0 + s * (y1 - y0))));
+            }
+        }
+        taken
+    }
+}
+
+/// Places for lines of text as near as can be to the wanted ones, which ascend: a distance apart, inside the
+/// limits.
+fn apart(wanted: &[f64], distance: f64, (low, high): (f64, f64)) -> Vec<f64> {
+    // Less i distances, the places must not descend: where wants do, their mean serves all (isotonic
+    // regression), and they become a stack of lines that touch.
+    let mut stacks: Vec<(f64, usize)> = vec![];
+    for (i, y) in wanted.iter().enumerate() {
+        let mut stack = (y - distance * i as f64, 1);
+        while let Some(&(mean, n)) = stacks.last()
+            && mean > stack.0
+        {
+            stacks.pop();
+            let sum = mean * n as f64 + stack.0 * stack.1 as f64;
+            stack = (sum / (n + stack.1) as f64, n + stack.1);
+        }
+        stacks.push(stack);
+    }
+    let last = low.max(high - distance * wanted.len().saturating_sub(1) as f64);
+    let places = stacks.into_iter().flat_map(|(mean, n)| vec![mean.clamp(low, last); n]);
+    places.enumerate().map(|(i, place)| place + distance * i as f64).collect()
+}
+
+/// digit * 10^k seconds.
+fn duration(digit: i32, k: i32) -> String {
+    let unit = ["ns", "us", "ms", "s"];
+    let thousands = (k + 9).div_euclid(3).clamp(0, 3);
+    let power = k + 9 - 3 * thousands;
+    match power {
+        0..=2 => format!("{} {}", digit * 10i32.pow(power as u32), unit[thousands as usize]),
+        _ => format!("{digit}e{k} s"),
+    }
+}
+
+impl Curve {
+    fn draw<DB: DrawingBackend>(&self, pen: &Pen<DB>, at: impl Fn((f64, f64)) -> (f64, f64)) -> Drawn {
+        let best: Vec<(f64, f64)> = self.best.iter().map(|&point| at(point)).collect();
+        pen.line(&best, self.colour.to_rgba(), 2.0)?;
+        for &point in &best {
+            pen.marker(self.marker, point, 4.0, self.colour.to_rgba())?;
+        }
+        for &point in &self.beaten {
+            pen.marker(self.marker, at(point), 2.5, self.colour.mix(0.4))?;
+        }
+        Ok(())
+    }
+}
+
+/// Draws in units.
+struct Pen<'a, DB: DrawingBackend> {
+    area: &'a Area<DB>,
+    scale: f64,
+    /// How far, in font sizes, text must be moved down to stand in the middle of its line.
+    sink: f64,
+}
+
+impl<DB: DrawingBackend> Pen<'_, DB> {
+    fn pixel(&self, (x, y): (f64, f64)) -> (i32, i32) {
+        ((self.scale * x).round() as i32, (self.scale * y).round() as i32)
+    }
+
+    fn line(&self, points: &[(f64, f64)], colour: impl Color, width: f64) -> Drawn {
+        let points: Vec<(i32, i32)> = points.iter().map(|&point| self.pixel(point)).collect();
+        let style = ShapeStyle::from(&colour).stroke_width((self.scale * width).round() as u32);
+        self.area.draw(&PathElement::new(points, style)).map_err(text_of)
+    }
+
+    /// One of six shapes of about the same size round a point.
+    fn marker(&self, kind: usize, (x, y): (f64, f64), size: f64, colour: RGBAColor) -> Drawn {
+        let corners = |turn: f64, n: usize, r: f64| -> Vec<(i32, i32)> {
+            let angle = |i: usize| std::f64::consts::TAU * (turn + i as f64 / n as f64);
+            (0..n).map(|i| self.pixel((x + r * angle(i).sin(), y - r * angle(i).cos()))).collect()
+        };
+        let shape = match kind % 6 {
+            0 => {
+                let r = (self.scale * size).round() as i32;
+                return self.area.draw(&Circle::new(self.pixel((x, y)), r, colour.filled())).map_err(text_of);
+            }
+            1 => corners(0.125, 4, 1.25 * size),
+            2 => corners(0.0, 3, 1.4 * size),
+            3 => corners(0.0, 4, 1.4 * size),
+            4 => corners(0.5, 3, 1.4 * size),
+            _ => corners(0.0, 5, 1.25 * size),
+        };
+        self.area.draw(&Polygon::new(shape, colour.filled())).map_err(text_of)
+    }
+
+    fn text(&self, text: &str, at: (f64, f64), size: f64, colour: RGBColor, (h, v): (HPos, VPos)) -> Drawn {
+        let font = ("sans-serif", self.scale * size).into_font();
+        let down = if matches!(v, VPos::Center) { self.sink * size } else { 0.0 };
+        self.write(text, (at.0, at.1 + down), font.color(&colour).pos(Pos::new(h, v)))
+    }
+
+    /// Text that reads from the bottom to the top.
+    fn upright(&self, text: &str, at: (f64, f64), size: f64, colour: RGBColor) -> Drawn {
+        let font = ("sans-serif", self.scale * size).into_font().transform(FontTransform::Rotate270);
+        self.write(text, at, font.color(&colour).pos(Pos::new(HPos::Center, VPos::Top)))
+    }
+
+    fn write(&self, text: &str, at: (f64, f64), style: TextStyle) -> Drawn {
+        self.area.draw(&Text::new(text.to_string(), self.pixel(at), style)).map_err(text_of)
+    }
+}

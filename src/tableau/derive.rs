@@ -1,0 +1,334 @@
+//! What follows from the numbers of a method, computed and never typed.
+
+use super::criteria::*;
+use super::double_double::DoubleDouble as D;
+use super::error::TableauError;
+use super::form::{Form, Meaning, Row};
+use super::lower::runge_kutta;
+use super::prove::prove_to;
+use super::roots::zero_stable;
+use super::series::{Defect, Forms, Solution, defects};
+use super::stability::{Characteristic, Locus};
+use super::{Scheme, Tableau};
+
+/// How the stages of a method are found.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Stages {
+    /// One after the other, by an evaluation each.
+    Explicit,
+    /// One after the other, some by solving an equation for it.
+    Diagonal,
+    /// All at once.
+    Full,
+    /// One after the other, by solving a linear equation with the Jacobian (Rosenbrock).
+    Linear,
+}
+
+/// What is derived of a method. `None` stands where a property does not apply.
+#[derive(Clone, PartialEq, Debug)]
+#[non_exhaustive]
+pub struct Properties {
+    /// `explicit Runge-Kutta`, `splitting`.
+    pub family: &'static str,
+    pub kind: Stages,
+    /// Whether the stepper runs it.
+    pub steppable: bool,
+    /// Whether it is for y'' = f(t, y).
+    pub second_order: bool,
+    pub stages: usize,
+    /// Evaluations of f per step; an implicit stage takes one for each iteration.
+    pub evaluations: usize,
+    pub order: usize,
+    /// Order of each embedded row.
+    pub embedded: Vec<usize>,
+    /// Order of the dense output.
+    pub dense: Option<usize>,
+    /// First same as last: the last stage is evaluated at y', and is the next step's first.
+    pub fsal: bool,
+    /// The last stage is y', and implicit.
+    pub stiffly_accurate: Option<bool>,
+    /// Largest q with B(q) and C(q).
+    pub stage_order: Option<usize>,
+    /// Norm of the leading coefficients of the local error: the root of the sum, over the trees of the first
+    /// order that fails, of (weight less 1/gamma)^2 / sigma^2. With y' carried, of y and y' together.
+    pub principal_error: f64,
+    /// The same for the solution of each embedded row.
+    pub embedded_errors: Vec<f64>,
+    /// C_(p+1) / sigma(1) of a linear multistep method; C_(p+2) / sigma(1) for y'' = f.
+    pub error_constant: Option<f64>,
+    /// The largest x such that h lambda from -x to 0 is stable; infinite where all of them are. Of a pair for
+    /// f + g: that of the explicit table.
+    pub real_limit: Option<f64>,
+    /// The largest y such that h lambda from -i y to i y is stable.
+    pub imaginary_limit: Option<f64>,
+    /// The largest h omega for y'' = -omega^2 y.
+    pub oscillation_limit: Option<f64>,
+    /// Of implicit methods; of a pair for f + g: of the implicit table.
+    pub a_stable: Option<bool>,
+    /// A-stable, and the amplification at infinity is 0.
+    pub l_stable: Option<bool>,
+    /// A(alpha)-stability: alpha in degrees.
+    pub alpha: Option<f64>,
+    /// |R| at infinity.
+    pub at_infinity: Option<f64>,
+    /// The history is not amplified as h goes to 0. Of methods that carry one.
+    pub zero_stable: Option<bool>,
+    /// The largest miss of an order condition once the coefficients are rounded to f64; relative to the size
+    /// of the history where earlier steps are carried.
+    pub residual_f64: f64,
+    pub residual_f32: f64,
+    /// Sum of the absolute weights of the slopes in y'; 1 where none is negative (y' = f).
+    pub sum_b: f64,
+    /// The largest absolute weight of a slope in a stage.
+    pub max_a: f64,
+    /// Whether each embedded row's estimate is zero for y' = f(t), whatever f.
+    pub blind: Vec<bool>,
+    /// Conserves quadratic invariants (pairs and second-order methods: symplectic).
+    pub symplectic: Option<bool>,
+    /// A composition that reads the same backwards: reversible in time.
+    pub symmetric: Option<bool>,
+}
+
+impl Tableau<'_> {
+    /// `explicit Runge-Kutta`, `predictor-corrector`, ...
+    pub fn family(&self) -> &'static str {
+        match (&self.scheme, self.kind()) {
+            (Scheme::RungeKutta(_), Stages::Explicit) => "explicit Runge-Kutta",
+            (Scheme::RungeKutta(_), Stages::Diagonal) => "diagonally implicit Runge-Kutta",
+            (Scheme::RungeKutta(_), _) => "fully implicit Runge-Kutta",
+            (Scheme::Imex { .. }, _) => "IMEX pair",
+            (Scheme::Partitioned { .. }, _) => "partitioned pair",
+            (Scheme::Rosenbrock { .. }, _) => "Rosenbrock",
+            (Scheme::Multistep(_), Stages::Explicit) => "explicit multistep",
+            (Scheme::Multistep(_), _) => "implicit multistep",
+            (Scheme::Stormer(_), _) => "Stormer",
+            (Scheme::PredictorCorrector { .. }, _) => "predictor-corrector",
+            (Scheme::Nystrom { .. }, _) => "Nystrom",
+            (Scheme::Splitting(_), _) => "splitting",
+        }
+    }
+
+    pub fn kind(&self) -> Stages {
+        match &self.scheme {
+            Scheme::RungeKutta(array) | Scheme::Imex { implicit: array, .. } => kind(&array.a, array.stages),
+            Scheme::Partitioned { position, velocity } => kind(&product(position, velocity), position.stages),
+            Scheme::Rosenbrock { .. } => Stages::Linear,
+            Scheme::Nystrom { array, .. } => kind(&array.a, array.stages),
+            Scheme::Multistep(steps) | Scheme::Stormer(steps) if steps.beta[steps.k].hi() != 0.0 => {
+                Stages::Diagonal
+            }
+            _ => Stages::Explicit,
+        }
+    }
+
+    /// Evaluations of f in a step that shares none with its neighbours.
+    pub fn stages(&self) -> usize {
+        match &self.scheme {
+            Scheme::RungeKutta(array)
+            | Scheme::Imex { implicit: array, .. }
+            | Scheme::Partitioned { position: array, .. }
+            | Scheme::Rosenbrock { alpha: array, .. }
+            | Scheme::Nystrom { array, .. } => array.stages,
+            Scheme::Multistep(_) | Scheme::Stormer(_) => 1,
+            Scheme::PredictorCorrector { evaluates, .. } => 1 + *evaluates as usize,
+            Scheme::Splitting(_) => self.form().map_or(0, |form| form.s + fsal(&form) as usize),
+        }
+    }
+
+    /// Whether it is for y'' = f(t, y).
+    pub fn second_order(&self) -> bool {
+        matches!(self.scheme, Scheme::Stormer(_) | Scheme::Nystrom { .. } | Scheme::Splitting(_))
+    }
+
+    /// Whether the stepper runs it.
+    pub fn steppable(&self) -> bool {
+        self.steppable_form().is_some()
+    }
+
+    /// Proves every claim, to whatever order. [`Tableau::parse`] stops at order 8 (pairs: 6), as the compiler
+    /// does.
+    ///
+    /// # Errors
+    /// The condition that fails.
+    pub fn prove_all(&self) -> Result<(), TableauError> {
+        prove_to(self, usize::MAX)
+    }
+
+    /// What follows from the numbers; takes milliseconds.
+    pub fn properties(&self) -> Properties {
+        let (mut forms, form) = (Forms::of(self), self.form());
+        if let Scheme::RungeKutta(array) = &self.scheme {
+            // Every stage anew in each step: one vector is carried, and R = P/Q can be read off.
+            runge_kutta(self, array, false, &mut forms.form[0]);
+            forms.form[1] = forms.form[0];
+        }
+        let forms = forms;
+        let first = &forms.form[0];
+        // Decimals are as good as their digits, exact entries as the arithmetic.
+        let tolerance = if self.digits == 0 { 1e-28 } else { 10f64.powi(-(self.digits as i32)).max(1e-28) };
+        let loose = (10.0 * tolerance).max(1e-20);
+        let embedded: Vec<usize> = self.embedded.iter().copied().take_while(|&order| order > 0).collect();
+        let velocity = first.means[..first.r].contains(&Meaning::V);
+        // Where only positions are carried, their difference is h y': they must be right by an order more.
+        let lift = (first.d == 2 && !velocity) as usize;
+        let mut principal = norm(&defects(&forms, Solution::Step, self.order + 1 + lift));
+        if velocity {
+            principal = principal.hypot(norm(&defects(&forms, Solution::Velocity, self.order + 2)));
+        }
+        let embedded_error =
+            |(e, order): (usize, &usize)| norm(&defects(&forms, Solution::Embedded(e), order + 1));
+        let residual = |round: fn(D) -> D| {
+            let defects = defects(&rounded(forms, round), Solution::Step, self.order);
+            defects.iter().map(|defect| defect.off.abs().hi() / defect.size).fold(0.0, f64::max)
+        };
+        let mut all = Properties {
+            family: self.family(),
+            kind: self.kind(),
+            steppable: self.steppable(),
+            second_order: self.second_order(),
+            stages: self.stages(),
+            evaluations: form.as_ref().map_or(self.stages(), |form| form.s),
+            order: self.order,
+            dense: (self.dense_order > 0).then_some(self.dense_order),
+            fsal: form.as_ref().is_some_and(fsal),
+            stiffly_accurate: None,
+            stage_order: None,
+            principal_error: principal,
+            embedded_errors: embedded.iter().enumerate().map(embedded_error).collect(),
+            embedded,
+            error_constant: None,
+            real_limit: None,
+            imaginary_limit: None,
+            oscillation_limit: None,
+            a_stable: None,
+            l_stable: None,
+            alpha: None,
+            at_infinity: None,
+            zero_stable: None,
+            residual_f64: residual(|x| D::of(x.hi())),
+            residual_f32: residual(|x| D::of(f64::from(x.to_f32()))),
+            sum_b: amplification(&forms),
+            max_a: largest_a(&forms),
+            blind: vec![],
+            symplectic: None,
+            symmetric: None,
+        };
+        match &self.scheme {
+            Scheme::RungeKutta(array) => {
+                let limits = Characteristic::of(first);
+                all.limits(&limits, tolerance);
+                if all.kind != Stages::Explicit {
+                    all.implicit(&limits, tolerance);
+                    all.stiffly_accurate = Some(last_row_is(&array.a, &array.b, array.stages, loose));
+                }
+                all.stage_order = Some(stage_order(array, loose));
+                all.blind = blind(array, None, loose);
+                all.symplectic = Some(symplectic(array, array, loose));
+            }
+            Scheme::Imex { explicit, implicit } => {
+                all.limits(&Characteristic::of(first), tolerance);
+                all.implicit(&Characteristic::of(&forms.form[1]), tolerance);
+                all.stiffly_accurate = Some(last_row_is(&implicit.a, &implicit.b, implicit.stages, loose));
+                all.blind = blind(explicit, None, loose);
+            }
+            Scheme::Partitioned { position, velocity } => {
+                let limits = Characteristic::of_pair(position, velocity);
+                all.oscillation_limit = Some(limits.oscillation(tolerance));
+                all.symplectic = Some(symplectic(position, velocity, loose));
+            }
+            Scheme::Rosenbrock { alpha, gamma } => {
+                all.implicit(&Characteristic::of(&forms.form[1]), tolerance);
+                let (mut beta, n) = (alpha.a, alpha.stages);
+                (0..n).for_each(|i| (0..n).for_each(|j| beta[i][j] += gamma.a[i][j]));
+                let at_end = (sum(&alpha.a[n - 1][..n]) - D::ONE).abs().hi() <= loose;
+                all.stiffly_accurate = Some(at_end && last_row_is(&beta, &alpha.b, n, loose));
+                all.evaluations = (0..n).filter(|&i| !alpha.a[..i].contains(&alpha.a[i])).count();
+                all.blind = blind(alpha, Some(gamma), loose);
+            }
+            Scheme::Multistep(steps) => {
+                let (limits, locus) = (Characteristic::of(first), Locus::of(steps));
+                all.limits(&limits, tolerance);
+                all.error_constant = Some(error_constant(steps, 1, self.order));
+                if all.kind != Stages::Explicit {
+                    let at_infinity = locus.at_infinity();
+                    let half_line = all.real_limit == Some(f64::INFINITY) && at_infinity < 1.0 + 1e-9;
+                    all.sector(if half_line { locus.angle() } else { 0.0 }, at_infinity);
+                }
+            }
+            Scheme::Stormer(steps) => {
+                all.error_constant = Some(error_constant(steps, 2, self.order));
+                all.oscillation_limit = Some(Characteristic::of(first).oscillation(tolerance));
+            }
+            Scheme::PredictorCorrector { .. } => all.limits(&Characteristic::of(first), tolerance),
+            Scheme::Nystrom { .. } | Scheme::Splitting(_) => {
+                all.oscillation_limit = Some(Characteristic::of(first).oscillation(tolerance));
+                all.symplectic = Some(canonical(first, loose));
+            }
+        }
+        if let Scheme::Splitting(splitting) = &self.scheme {
+            all.symmetric = Some(palindrome(splitting, loose));
+        }
+        if matches!(
+            self.scheme,
+            Scheme::Multistep(_) | Scheme::Stormer(_) | Scheme::PredictorCorrector { .. }
+        ) {
+            all.zero_stable = Some(zero_stable(first, loose).is_ok());
+        }
+        all
+    }
+}
+
+impl Properties {
+    fn limits(&mut self, characteristic: &Characteristic, near: f64) {
+        self.real_limit = Some(characteristic.real(near));
+        self.imaginary_limit = Some(characteristic.imaginary(near));
+    }
+
+    fn implicit(&mut self, characteristic: &Characteristic, near: f64) {
+        self.sector(characteristic.angle(near), characteristic.at_infinity());
+    }
+
+    fn sector(&mut self, alpha: f64, at_infinity: f64) {
+        self.alpha = Some(alpha);
+        self.at_infinity = Some(at_infinity);
+        self.a_stable = Some(alpha == 90.0);
+        self.l_stable = Some(alpha == 90.0 && at_infinity < 1e-9);
+    }
+}
+
+/// Root of the sum of squares over the trees of the highest order.
+fn norm(defects: &[Defect]) -> f64 {
+    let order = defects.last().map_or(0, |defect| defect.order);
+    let highest = defects.iter().filter(|defect| defect.order == order);
+    highest.map(|defect| (defect.off.hi() / defect.sigma as f64).powi(2)).sum::<f64>().sqrt()
+}
+
+fn rounded(mut forms: Forms, round: fn(D) -> D) -> Forms {
+    let each = |row: &mut Row| {
+        row.a.iter_mut().for_each(|a| *a = round(*a));
+        row.diagonal = round(row.diagonal);
+    };
+    forms.form.iter_mut().for_each(|form| form.stage.iter_mut().chain(&mut form.carry).for_each(each));
+    forms
+}
+
+/// The weights of slopes in a row, the row's own among them.
+fn slopes<'f>(form: &'f Form, row: &'f Row) -> impl Iterator<Item = D> + 'f {
+    let slope = |at: usize| at >= form.r || matches!(form.means[at], Meaning::F(_));
+    let terms = (0..row.len).filter(move |&j| slope(row.at[j])).map(|j| row.a[j].abs());
+    terms.chain([row.diagonal.abs()])
+}
+
+/// Of the row whose terms are slopes times h: y', or the velocity of y'' = f.
+fn amplification(forms: &Forms) -> f64 {
+    let of = |form: &Form| {
+        let row = (0..form.r).find(|&j| form.means[j] == Meaning::V).unwrap_or(0);
+        slopes(form, &form.carry[row]).fold(D::ZERO, |sum, a| sum + a).hi()
+    };
+    forms.form.iter().map(of).fold(0.0, f64::max)
+}
+
+fn largest_a(forms: &Forms) -> f64 {
+    let rows = forms.form.iter().flat_map(|form| form.stage[..form.s].iter().map(move |row| (form, row)));
+    rows.flat_map(|(form, row)| slopes(form, row)).map(D::hi).fold(0.0, f64::max)
+}

@@ -1,0 +1,189 @@
+//! Derived properties against numbers from elsewhere: data/properties.toml, books and papers.
+
+use kutta::methods;
+use kutta::tableau::{Properties, Stages, Tableau};
+use toml::{Table, Value};
+
+fn of(name: &str) -> Properties {
+    methods::find(name).unwrap_or_else(|| panic!("{name} is a method")).tableau().properties()
+}
+
+fn close(got: Option<f64>, want: f64, tolerance: f64) -> bool {
+    got.is_some_and(|got| got == want || (got - want).abs() <= tolerance * (1.0 + want.abs()))
+}
+
+/// A property by its name in the data, and how close it must be: to the digits that the data have.
+fn agrees(name: &str, p: &Properties, key: &str, want: &Value) -> bool {
+    let number = || want.as_float().unwrap_or_else(|| panic!("{name}: {key} is no decimal"));
+    let flag = || want.as_bool();
+    let multistep = p.family.contains("multistep");
+    match key {
+        "kind" => {
+            let kinds =
+                [("explicit", Stages::Explicit), ("diagonal", Stages::Diagonal), ("full", Stages::Full)];
+            kinds.iter().any(|&(text, kind)| want.as_str() == Some(text) && p.kind == kind)
+        }
+        "stage_order" => want.as_integer() == p.stage_order.map(|q| q as i64),
+        "fsal" => flag() == Some(p.fsal),
+        "stiffly_accurate" => flag() == p.stiffly_accurate,
+        "symplectic" => flag() == p.symplectic,
+        "symmetric" => flag() == p.symmetric,
+        "zero_stable" => flag() == p.zero_stable,
+        "a_stable" => flag() == p.a_stable,
+        "l_stable" => flag() == p.l_stable,
+        "real_limit" => close(p.real_limit, number(), if multistep { 1e-6 } else { 1e-11 }),
+        "imaginary_limit" => close(p.imaginary_limit, number(), 1e-11),
+        "at_infinity" => close(p.at_infinity, number(), 1e-10),
+        "alpha" => close(p.alpha, number(), 4e-6),
+        "error_constant" => close(p.error_constant, number(), 1e-15),
+        _ => panic!("{name}: {key} is not compared"),
+    }
+}
+
+#[test]
+fn an_independent_program_finds_the_same() {
+    let data: Table = include_str!("data/properties.toml").parse().unwrap();
+    let mut compared = 0;
+    for (name, wants) in &data {
+        let p = of(name);
+        for (key, want) in wants.as_table().unwrap() {
+            assert!(agrees(name, &p, key, want), "{name}: {key} is {want:?} there, and not in {p:?}");
+            compared += 1;
+        }
+    }
+    assert!(data.len() > 130 && compared > 700, "{} methods, {compared} values", data.len());
+}
+
+#[test]
+fn every_method_has_what_its_family_has() {
+    for entry in methods::all() {
+        let (name, p) = (entry.name, entry.tableau().properties());
+        let explicit = p.kind == Stages::Explicit;
+        let partitioned = p.family == "partitioned pair";
+        assert_eq!(p.oscillation_limit.is_some(), p.second_order || partitioned, "{name}");
+        assert_eq!(
+            p.real_limit.is_some(),
+            !p.second_order && !partitioned && p.family != "Rosenbrock",
+            "{name}"
+        );
+        assert_eq!(p.a_stable.is_some(), !p.second_order && !partitioned && !explicit, "{name}");
+        assert_eq!(p.steppable, explicit && !partitioned, "{name}");
+        assert_eq!((p.blind.len(), p.embedded_errors.len()), (p.embedded.len(), p.embedded.len()), "{name}");
+        assert!(
+            p.evaluations <= p.stages && p.evaluations + p.fsal as usize >= p.stages.min(2) - 1,
+            "{name}"
+        );
+        // No order is claimed too low, and rounding costs digits, not orders.
+        let largest = if p.zero_stable.is_some() { 1e4 } else { 10.0 };
+        assert!((1e-9..largest).contains(&p.principal_error), "{name}: {}", p.principal_error);
+        assert!(p.embedded_errors.iter().all(|error| (1e-9..1.0).contains(error)), "{name}");
+        assert!(p.residual_f64 < 1e-10 && p.residual_f32 < 0.04, "{name}");
+        assert!(p.residual_f64 <= p.residual_f32, "{name}");
+        assert!(p.zero_stable != Some(false), "{name}");
+    }
+}
+
+#[test]
+fn error_norms_are_those_of_the_papers() {
+    // Dormand, Prince 1980, table 3: A6 and the fifth-order norm of the embedded solution.
+    let dp54 = of("dp54");
+    assert!((dp54.principal_error - 3.99e-4).abs() < 5e-7);
+    assert!((dp54.embedded_errors[0] - 1.18e-3).abs() < 5e-6);
+    // Tsitouras 2011 states 1.3e-4 for his own pair.
+    assert!((of("tsit54").principal_error - 1.3e-4).abs() < 1e-5);
+    // Velocity Verlet by hand. In y the tree [v] weighs 0, not 1/6; in y' the tree [vv], which has two
+    // symmetries, weighs 1/2, not 1/3, and [[]] weighs 1/4, not 1/6.
+    let verlet = (1f64 / 36.0 + 1.0 / 144.0 + 1.0 / 144.0).sqrt();
+    assert!((of("velocity-verlet").principal_error - verlet).abs() < 1e-15);
+}
+
+#[test]
+fn stability_limits_of_other_families() {
+    // The third and fourth Adams-Bashforth method hold an oscillation, the first two and the next two do not
+    // (Durran 1991, Mon. Wea. Rev. 119, 702, for the first four).
+    for (name, y) in [("ab1", 0.0), ("ab2", 0.0), ("ab3", 0.72), ("ab4", 0.43), ("ab5", 0.0), ("ab6", 0.0)] {
+        assert!(close(of(name).imaginary_limit, y, 5e-3), "{name}: {:?}", of(name).imaginary_limit);
+    }
+    // Leapfrog: |Im| <= 1, nothing else.
+    let leapfrog = of("nystrom2");
+    assert_eq!(leapfrog.real_limit, Some(0.0));
+    assert!(close(leapfrog.imaginary_limit, 1.0, 1e-14));
+    // Euler and the trapezoid in PECE are Heun's method.
+    let (pece, heun) = (of("heun-pece"), of("heun2"));
+    assert!(close(pece.real_limit, heun.real_limit.unwrap(), 1e-14));
+    assert_eq!(pece.imaginary_limit, heun.imaginary_limit);
+    // The roots of rho - z sigma with the corrector's f at the prediction, found by another program.
+    for (name, x) in [
+        ("abm2-pece", 2.0),
+        ("abm3-pece", 1.728784),
+        ("abm4-pece", 1.284816),
+        ("abm5-pece", 0.946917),
+        ("abm2-pec", 0.5),
+        ("abm3-pec", 0.285714),
+        ("abm4-pec", 0.157895),
+        ("abm5-pec", 0.085470),
+    ] {
+        assert!(close(of(name).real_limit, x, 1e-6), "{name}: {:?}", of(name).real_limit);
+    }
+    // h omega < 2 for every guise of Verlet. Forest-Ruth is three of its steps; the trace of their product
+    // leaves [-2, 2] at 1.573401947.
+    for name in
+        ["verlet", "velocity-verlet", "verlet-kdk", "verlet-dkd", "symplectic-euler", "lobatto-iiia-iiib2"]
+    {
+        assert!(close(of(name).oscillation_limit, 2.0, 1e-14), "{name}");
+    }
+    assert!(close(of("forest-ruth4").oscillation_limit, 1.573401947, 1e-9));
+}
+
+#[test]
+fn a_pair_is_as_stable_as_its_tables() {
+    let (pair, explicit, implicit) = (of("kencarp5-imex"), of("ark548-erk"), of("kencarp5-esdirk"));
+    assert!(close(pair.real_limit, explicit.real_limit.unwrap(), 1e-12));
+    assert!(close(pair.imaginary_limit, explicit.imaginary_limit.unwrap(), 1e-12));
+    assert_eq!((pair.a_stable, pair.l_stable), (implicit.a_stable, implicit.l_stable));
+    assert_eq!(pair.stiffly_accurate, implicit.stiffly_accurate);
+}
+
+/// Hairer, Norsett, Wanner I, II.4: the estimate of Fehlberg's 7(8) is zero for y' = f(t).
+#[test]
+fn blind_estimates_are_found() {
+    let blind = |name: &str| of(name).blind;
+    assert_eq!(blind("rkf87"), [true]);
+    assert_eq!(blind("rkf45"), [false]);
+    assert_eq!(blind("dop853"), [false, false]);
+    let all: Vec<_> = methods::all()
+        .iter()
+        .filter(|entry| blind(entry.name).contains(&true))
+        .map(|entry| entry.name)
+        .collect();
+    assert_eq!(all, ["rkf87", "rodas5"]);
+}
+
+#[test]
+fn a_correct_table_can_lose_digits_in_f64() {
+    let verner = of("verner65-efficient");
+    assert!((3e-11..4e-11).contains(&verner.residual_f64) && verner.sum_b > 350.0);
+    let robust = of("verner65-robust");
+    assert!(robust.residual_f64 < 1e-15 && robust.sum_b < 3.0);
+}
+
+#[test]
+fn conditions_of_symplectic_nystrom_methods() {
+    let text = |y: &str| {
+        format!(
+            "name = \"n\"\norder = 2\ncite = \"c\"\nnystrom = '''\n0 |\n1 | 1/2\n--+--\ny | {y}\nv | 1/2 1/2\n'''\n"
+        )
+    };
+    let symplectic = |y: &str| Tableau::parse(&text(y)).unwrap().properties().symplectic;
+    assert_eq!(symplectic("1/2 0"), Some(true));
+    assert_eq!(symplectic("1/3 1/6"), Some(false));
+}
+
+/// One digit says next to nothing of a table, but nothing may hang or panic on it.
+#[test]
+fn coarse_decimals_have_properties() {
+    let text =
+        "name = \"n\"\norder = 1\ndigits = 1\ncite = \"c\"\ntableau = '''\n0.5 | 0.5\n--+--\n | 1.01\n'''\n";
+    let p = Tableau::parse(text).unwrap().properties();
+    assert_eq!((p.kind, p.order), (Stages::Diagonal, 1));
+}
