@@ -2,10 +2,15 @@
 
 use kutta::methods;
 use kutta::tableau::{Properties, Stages, Tableau};
+use std::sync::LazyLock;
 use toml::{Table, Value};
 
-fn of(name: &str) -> Properties {
-    methods::find(name).unwrap_or_else(|| panic!("{name} is a method")).tableau().properties()
+/// Every method's, derived once.
+static ALL: LazyLock<Vec<(&str, Properties)>> =
+    LazyLock::new(|| methods::all().iter().map(|entry| (entry.name, entry.tableau().properties())).collect());
+
+fn of(name: &str) -> &'static Properties {
+    &ALL.iter().find(|(of, _)| *of == name).unwrap_or_else(|| panic!("{name} is a method")).1
 }
 
 fn close(got: Option<f64>, want: f64, tolerance: f64) -> bool {
@@ -47,7 +52,7 @@ fn an_independent_program_finds_the_same() {
     for (name, wants) in &data {
         let p = of(name);
         for (key, want) in wants.as_table().unwrap() {
-            assert!(agrees(name, &p, key, want), "{name}: {key} is {want:?} there, and not in {p:?}");
+            assert!(agrees(name, p, key, want), "{name}: {key} is {want:?} there, and not in {p:?}");
             compared += 1;
         }
     }
@@ -56,8 +61,7 @@ fn an_independent_program_finds_the_same() {
 
 #[test]
 fn every_method_has_what_its_family_has() {
-    for entry in methods::all() {
-        let (name, p) = (entry.name, entry.tableau().properties());
+    for (name, p) in ALL.iter() {
         let explicit = p.kind == Stages::Explicit;
         let partitioned = p.family == "partitioned pair";
         assert_eq!(p.oscillation_limit.is_some(), p.second_order || partitioned, "{name}");
@@ -69,14 +73,13 @@ fn every_method_has_what_its_family_has() {
         assert_eq!(p.a_stable.is_some(), !p.second_order && !partitioned && !explicit, "{name}");
         assert_eq!(p.steppable, explicit && !partitioned, "{name}");
         assert_eq!((p.blind.len(), p.embedded_errors.len()), (p.embedded.len(), p.embedded.len()), "{name}");
-        assert!(
-            p.evaluations <= p.stages && p.evaluations + p.fsal as usize >= p.stages.min(2) - 1,
-            "{name}"
-        );
+        if p.family != "Rosenbrock" {
+            assert_eq!(p.evaluations + p.fsal as usize, p.stages, "{name}");
+        }
         // No order is claimed too low, and rounding costs digits, not orders.
         let largest = if p.zero_stable.is_some() { 1e4 } else { 10.0 };
         assert!((1e-9..largest).contains(&p.principal_error), "{name}: {}", p.principal_error);
-        assert!(p.embedded_errors.iter().all(|error| (1e-9..1.0).contains(error)), "{name}");
+        assert!(p.embedded_errors.iter().all(|error| (1e-9..largest).contains(error)), "{name}");
         assert!(p.residual_f64 < 1e-10 && p.residual_f32 < 0.04, "{name}");
         assert!(p.residual_f64 <= p.residual_f32, "{name}");
         assert!(p.zero_stable != Some(false), "{name}");
@@ -147,15 +150,11 @@ fn a_pair_is_as_stable_as_its_tables() {
 /// Hairer, Norsett, Wanner I, II.4: the estimate of Fehlberg's 7(8) is zero for y' = f(t).
 #[test]
 fn blind_estimates_are_found() {
-    let blind = |name: &str| of(name).blind;
+    let blind = |name: &str| of(name).blind.clone();
     assert_eq!(blind("rkf87"), [true]);
     assert_eq!(blind("rkf45"), [false]);
     assert_eq!(blind("dop853"), [false, false]);
-    let all: Vec<_> = methods::all()
-        .iter()
-        .filter(|entry| blind(entry.name).contains(&true))
-        .map(|entry| entry.name)
-        .collect();
+    let all: Vec<_> = ALL.iter().filter(|(_, p)| p.blind.contains(&true)).map(|(name, _)| *name).collect();
     assert_eq!(all, ["rkf87", "rodas5"]);
 }
 
@@ -186,4 +185,17 @@ fn coarse_decimals_have_properties() {
         "name = \"n\"\norder = 1\ndigits = 1\ncite = \"c\"\ntableau = '''\n0.5 | 0.5\n--+--\n | 1.01\n'''\n";
     let p = Tableau::parse(text).unwrap().properties();
     assert_eq!((p.kind, p.order), (Stages::Diagonal, 1));
+}
+
+#[test]
+fn sizes_of_weights_and_counts_of_evaluations() {
+    let dp54 = of("dp54");
+    assert!(close(Some(dp54.max_a), 25360.0 / 2187.0, 1e-15));
+    let b = [35.0 / 384.0, 500.0 / 1113.0, 125.0 / 192.0, 2187.0 / 6784.0, 11.0 / 84.0];
+    assert!(close(Some(dp54.sum_b), b.iter().sum(), 1e-15));
+    // Adams-Bashforth 2: 3/2 and -1/2. Velocity Verlet: the weights of y'.
+    assert_eq!((of("ab2").sum_b, of("ab2").max_a, of("velocity-verlet").sum_b), (2.0, 0.0, 1.0));
+    // The second stage of Rodas 3 is evaluated where the first one is.
+    assert_eq!((of("rodas3").stages, of("rodas3").evaluations), (4, 3));
+    assert_eq!((dp54.stages, dp54.evaluations, dp54.fsal), (7, 6, true));
 }

@@ -78,7 +78,7 @@ impl Grid<'_> {
     fn lay_out(&self, digits: usize) -> String {
         let rows = || self.above.iter().chain(&self.below);
         let cut = |entry: &&str| match value(entry) {
-            Some(x) if entry.chars().count() > digits + 4 => decimal(x, digits) + "…",
+            Some(x) if entry.chars().count() > digits + 4 && x.hi().is_normal() => decimal(x, digits) + "…",
             _ => (*entry).to_string(),
         };
         let mut cells: Vec<Vec<String>> =
@@ -153,9 +153,9 @@ fn decimal(x: DoubleDouble, digits: usize) -> String {
     let mut exponent = x.hi().log10().floor() as i32;
     let power = ten.powi(exponent.unsigned_abs());
     let mut rest = if exponent < 0 { x * power } else { x / power };
-    if rest.hi() >= 10.0 {
+    if rest >= ten {
         (rest, exponent) = (rest / ten, exponent + 1);
-    } else if rest.hi() < 1.0 {
+    } else if rest < DoubleDouble::ONE {
         (rest, exponent) = (rest * ten, exponent - 1);
     }
     let mut text = String::new();

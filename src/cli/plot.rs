@@ -178,26 +178,39 @@ impl Plot {
     /// beside the frame, joined to their ends and moved up or down so that none covers another.
     fn labels<DB: DrawingBackend>(&self, pen: &Pen<DB>) -> Drawn {
         let mut taken = self.taken();
-        let mut outside: Vec<(&Curve, (f64, f64))> = vec![];
+        let (mut inside, mut outside) = (vec![], vec![]);
         for curve in &self.curves {
             let Some(&end) = curve.best.last() else { continue };
-            let (x, y) = self.at(end);
-            let width = 0.64 * FONT * curve.name.len() as f64;
-            let (left, right) = (x + 8.0, x + 8.0 + width);
-            let free = |&(px, py): &(f64, f64)| px < left - 1.0 || px > right || (py - y).abs() > 0.7 * LINE;
-            if right < RIGHT && y - 0.5 * LINE > TOP && taken.iter().all(free) {
-                pen.text(&curve.name, (left, y), FONT, curve.colour, (HPos::Left, VPos::Center))?;
-                taken.extend((0..=20).map(|i| (left + width * f64::from(i) / 20.0, y)));
+            let name = Name { curve, end: self.at(end) };
+            let fits = name.right() < RIGHT && name.end.1 - LINE > TOP;
+            if fits && !taken.iter().any(|&point| name.covers(point)) {
+                taken.extend(between((name.end.0 + GAP, name.end.1), (name.right(), name.end.1)));
+                inside.push(name);
             } else {
-                outside.push((curve, (x, y)));
+                outside.push(name);
             }
         }
-        outside.sort_by(|a, b| a.1.1.total_cmp(&b.1.1));
-        let wanted: Vec<f64> = outside.iter().map(|(_, end)| end.1).collect();
-        let x = RIGHT + 20.0;
-        for ((curve, end), y) in outside.iter().zip(apart(&wanted, LINE, (TOP, BOTTOM))) {
-            pen.line(&[(end.0 + 6.0, end.1), (RIGHT + 4.0, y), (x - 4.0, y)], curve.colour.mix(0.5), 1.0)?;
-            pen.text(&curve.name, (x, y), FONT, curve.colour, (HPos::Left, VPos::Center))?;
+        // A name that a line to the column would cross joins the column, whose lines then lie otherwise.
+        let lines = loop {
+            outside.sort_by(|a, b| a.end.1.total_cmp(&b.end.1));
+            let wanted: Vec<f64> = outside.iter().map(|name| name.end.1).collect();
+            let places = apart(&wanted, LINE, (TOP, BOTTOM));
+            let lines: Vec<_> =
+                outside.iter().zip(&places).map(|(name, &y)| (name.end, (RIGHT + 4.0, y))).collect();
+            let crossed = |name: &Name| lines.iter().any(|&(a, b)| between(a, b).any(|p| name.covers(p)));
+            match inside.iter().position(crossed) {
+                Some(i) => outside.push(inside.swap_remove(i)),
+                None => break lines,
+            }
+        };
+        for name in inside {
+            let at = (name.end.0 + GAP, name.end.1);
+            pen.text(&name.curve.name, at, FONT, name.curve.colour, (HPos::Left, VPos::Center))?;
+        }
+        for (Name { curve, .. }, (end, beside)) in outside.iter().zip(lines) {
+            let (start, y) = ((end.0 + 6.0, end.1), beside.1);
+            pen.line(&[start, beside, (RIGHT + 16.0, y)], curve.colour.mix(0.5), 1.0)?;
+            pen.text(&curve.name, (RIGHT + 20.0, y), FONT, curve.colour, (HPos::Left, VPos::Center))?;
         }
         Ok(())
     }
@@ -208,13 +221,36 @@ impl Plot {
         for curve in &self.curves {
             taken.extend(curve.best.iter().chain(&curve.beaten).map(|&point| self.at(point)));
             for ends in curve.best.windows(2) {
-                let ((x0, y0), (x1, y1)) = (self.at(ends[0]), self.at(ends[1]));
-                let n = (x1 - x0).hypot(y1 - y0).ceil();
-                taken.extend((1..n as u32).map(|i| f64::from(i) / n).map(|s| (x0 + s * (x1 - x0), y0 + s * (y1 - y0))));
+                taken.extend(between(self.at(ends[0]), self.at(ends[1])));
             }
         }
         taken
     }
+}
+
+/// The name of a curve, at the end of it.
+struct Name<'c> {
+    curve: &'c Curve,
+    end: (f64, f64),
+}
+
+/// From the end of a curve to its name.
+const GAP: f64 = 8.0;
+
+impl Name<'_> {
+    fn right(&self) -> f64 {
+        self.end.0 + GAP + 0.64 * FONT * self.curve.name.len() as f64
+    }
+
+    fn covers(&self, (x, y): (f64, f64)) -> bool {
+        (self.end.0 + GAP - 2.0..self.right()).contains(&x) && (y - self.end.1).abs() < 0.7 * LINE
+    }
+}
+
+/// Points on the line between two, a unit apart.
+fn between((x0, y0): (f64, f64), (x1, y1): (f64, f64)) -> impl Iterator<Item = (f64, f64)> {
+    let n = (x1 - x0).hypot(y1 - y0).ceil();
+    (1..n as u32).map(move |i| f64::from(i) / n).map(move |s| (x0 + s * (x1 - x0), y0 + s * (y1 - y0)))
 }
 
 /// Places for lines of text as near as can be to the wanted ones, which ascend: a distance apart, inside the

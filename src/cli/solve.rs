@@ -88,6 +88,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
 }
 
+/// f(t, y), written into the last one.
+type Rhs<'f> = &'f mut dyn FnMut(f64, &[f64], &mut [f64]);
+
 /// Finds the problem by its name and solves it.
 struct Solver<'a> {
     args: &'a Args,
@@ -130,14 +133,7 @@ impl Visit for Solver<'_> {
 }
 
 impl Solver<'_> {
-    fn run<P: Problem>(
-        &mut self,
-        problem: &P,
-        f: &mut dyn FnMut(f64, &[f64], &mut [f64]),
-        y0: &[f64],
-        v0: Option<&[f64]>,
-        span: Range<f64>,
-    ) {
+    fn run<P: Problem>(&mut self, problem: &P, f: Rhs, y0: &[f64], v0: Option<&[f64]>, span: Range<f64>) {
         let found = self.solve(problem.scale(), f, y0, v0, span);
         self.report = Some(found.map(|solution| {
             let mut y = solution.y;
@@ -163,7 +159,7 @@ impl Solver<'_> {
     fn solve(
         &self,
         scale: f64,
-        f: &mut dyn FnMut(f64, &[f64], &mut [f64]),
+        f: Rhs,
         y0: &[f64],
         v0: Option<&[f64]>,
         span: Range<f64>,

@@ -3,7 +3,7 @@
 use super::Unfit;
 use super::entrant::{Posed, in_time};
 use crate::methods::Verner87Efficient;
-use crate::solve::ivp::Ivp;
+use crate::solve::ivp::solve;
 use crate::step::method::Method;
 use crate::step::state::State;
 use crate::step::system::{OutOfDomain, System};
@@ -46,7 +46,7 @@ pub(super) fn find<Y: State<Scalar = f64>, S: System<Y> + Clone>(
     exact: Option<Exact>,
 ) -> Result<Truth, Unfit> {
     let (t0, t1) = (posed.span.start, posed.span.end);
-    let n = posed.y0.as_slice().len() * if posed.v0.is_some() { 2 } else { 1 };
+    let n = posed.y0.as_slice().len() + posed.v0.as_ref().map_or(0, |v| v.as_slice().len());
     let fit = |y: &Vec<f64>| match y.len() == n {
         true => Ok(()),
         false => Err(Unfit::Length { given: y.len(), needed: n }),
@@ -63,12 +63,16 @@ pub(super) fn find<Y: State<Scalar = f64>, S: System<Y> + Clone>(
         };
         return Ok(Truth { times, end, along, reference });
     }
-    match (tight(posed, scale, &times, TIGHT), end) {
+    let mut rhs = rhs(posed);
+    let mut y0 = posed.y0.as_slice().to_vec();
+    y0.extend(posed.v0.iter().flat_map(State::as_slice));
+    let mut tight = |rtol| tight(&mut rhs, &y0, t0, &times, rtol, rtol * scale);
+    match (tight(TIGHT), end) {
         (Ok(along), Some(end)) => Ok(Truth { times, end, along, reference: Reference::Given }),
         (Err(_), Some(end)) => Ok(Truth { times, end, along: vec![], reference: Reference::Given }),
         (Err(why), None) => Err(Unfit::NoReference(why)),
         (Ok(along), None) => {
-            let second = tight(posed, scale, &times, SECOND).map_err(Unfit::NoReference)?;
+            let second = tight(SECOND).map_err(Unfit::NoReference)?;
             let end = along[TIMES - 1].clone();
             let spread = distance(&second[TIMES - 1], &end, scale);
             let method = Verner87Efficient.name().to_string();
@@ -93,62 +97,40 @@ pub(super) fn distance(y: &[f64], reference: &[f64], scale: f64) -> f64 {
 }
 
 /// The states at the times, each at the end of a run from the one before: no interpolant is trusted.
-fn tight<Y: State<Scalar = f64>, S: System<Y> + Clone>(
-    posed: &Posed<Y, S>,
-    scale: f64,
-    times: &[f64],
-    rtol: f64,
-) -> Result<Vec<Vec<f64>>, String> {
-    let Posed { system, y0, v0, span } = posed;
-    match v0 {
-        None => legs(system, y0.clone(), span.start, times, rtol, rtol * scale),
-        Some(v0) => {
-            let halves = Halves { system: system.clone(), x: y0.clone(), a: v0.clone() };
-            let y0 = [y0.as_slice(), v0.as_slice()].concat();
-            legs(&halves, y0, span.start, times, rtol, rtol * scale)
-        }
-    }
-}
-
-fn legs<Y: State<Scalar = f64>, S: System<Y> + Clone>(
-    system: &S,
-    mut y: Y,
-    mut t: f64,
-    times: &[f64],
-    rtol: f64,
-    atol: f64,
-) -> Result<Vec<Vec<f64>>, String> {
+fn tight(rhs: &mut Rhs, y0: &[f64], t0: f64, times: &[f64], rtol: f64, atol: f64) -> Result<Vec<Vec<f64>>, String> {
     let start = Instant::now();
+    let (mut t, mut y) = (t0, y0.to_vec());
     let mut states = vec![];
     for &end in times {
-        let ivp = Ivp::new(system.clone(), y, t..end).with(Verner87Efficient).rtol(rtol).atol(atol);
+        let f = |t: f64, y: &Vec<f64>, dy: &mut Vec<f64>| rhs(t, y, dy);
         let left = PATIENCE.saturating_sub(start.elapsed());
+        let ivp = solve(f, y, t..end).with(Verner87Efficient).rtol(rtol).atol(atol);
         let solution = ivp.observe(in_time(left)).run().map_err(|stopped| stopped.to_string())?;
         if solution.t != end {
             return Err(format!("took longer than {} s", PATIENCE.as_secs()));
         }
         (t, y) = (end, solution.y);
-        states.push(y.as_slice().to_vec());
+        states.push(y.clone());
     }
     Ok(states)
 }
 
-/// x'' = f(t, x) as a system for x and v, one after the other.
-#[derive(Clone)]
-struct Halves<Y, S> {
-    system: S,
-    x: Y,
-    a: Y,
-}
+/// A right-hand side whose types are forgotten, so that the tight run is compiled once for all problems.
+type Rhs<'f> = dyn FnMut(f64, &[f64], &mut [f64]) -> Result<(), OutOfDomain> + 'f;
 
-impl<Y: State<Scalar = f64>, S: System<Y>> System<Vec<f64>> for Halves<Y, S> {
-    fn rhs(&mut self, t: f64, y: &Vec<f64>, dy: &mut Vec<f64>) -> Result<(), OutOfDomain> {
-        let (x, v) = y.split_at(y.len() / 2);
-        self.x.as_mut_slice().copy_from_slice(x);
-        self.system.rhs(t, &self.x, &mut self.a)?;
-        let (dx, dv) = dy.split_at_mut(v.len());
-        dx.copy_from_slice(v);
-        dv.copy_from_slice(self.a.as_slice());
+/// The right-hand side of a problem; that of x'' = f(t, x) as a system for x and v, one after the other.
+fn rhs<Y: State<Scalar = f64>, S: System<Y> + Clone>(
+    posed: &Posed<Y, S>,
+) -> impl FnMut(f64, &[f64], &mut [f64]) -> Result<(), OutOfDomain> {
+    let Posed { mut system, y0: mut y, v0, .. } = posed.clone();
+    let mut dy = y.clone();
+    move |t, from, to| {
+        let n = dy.as_slice().len();
+        y.as_mut_slice().copy_from_slice(&from[..n]);
+        system.rhs(t, &y, &mut dy)?;
+        let (first, last) = to.split_at_mut(if v0.is_some() { n } else { 0 });
+        first.copy_from_slice(&from[from.len() - first.len()..]);
+        last.copy_from_slice(dy.as_slice());
         Ok(())
     }
 }

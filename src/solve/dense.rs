@@ -103,8 +103,9 @@ impl<Y: State> Dense<Y> {
         };
         // Rounding does not carry f beyond the end of the step.
         let end = if ((t + h) > t1) == (t1 > t) { t1 } else { t + h };
-        if self.slopes.is_empty() {
-            self.slopes = vec![self.value.clone(); if self.is_own() { form.extra } else { 2 + self.interior }];
+        let count = if self.is_own() { form.extra } else { 2 + self.interior };
+        if self.slopes.len() < count {
+            self.slopes = vec![self.value.clone(); count];
             if !self.is_own() && form.d == 1 {
                 self.levels = (0..=self.interior).map(Level::new).collect();
             }

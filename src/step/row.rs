@@ -102,10 +102,7 @@ fn assemble_read<A: Arith, Y: State>(out: &mut Y, row: &Row, h: &[RealOf<Y>; 3],
 
 #[inline(always)]
 fn fill<A: Arith, Y: State, const K: usize>(out: &mut Y, row: &Row, h: &[RealOf<Y>; 3], x: &[Y]) {
-    let base = match row.base {
-        Some(i) => Some(&x[i]),
-        None => None,
-    };
+    let base = row.base.map(|i| &x[i]);
     if A::FUSED && one_power(row) {
         // base + h sum: one fused operation at the end instead of a product for every coefficient.
         let scale = if row.len > 0 { Some(h[row.power[0]]) } else { None };

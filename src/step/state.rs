@@ -125,7 +125,7 @@ fn ratio_square<T: Scalar>(scale: T::Real, e: T, y0: T, y1: T, (rtol, atol): (T:
     // A NaN in y1 passes through this maximum; `f64::max` would drop it.
     let weight = atol + rtol * y0.modulus().maximum(y1.modulus());
     // Nothing for a finite weight, else a NaN: an infinite state would divide any error to zero.
-    let flaw = weight - weight;
+    let flaw = T::Real::zero() * weight;
     e.scale((scale + flaw) / weight).square()
 }
 

@@ -42,12 +42,6 @@ impl<M: Method, Y: State> Stepper<M, Y> {
         &self.words.as_ref()[..self.form().r + self.form().s]
     }
 
-    #[inline(always)]
-    pub fn read_mut(&mut self) -> &mut [Y] {
-        let read = self.form().r + self.form().s;
-        &mut self.words.as_mut()[..read]
-    }
-
     /// The state at the start of the step.
     #[inline(always)]
     pub fn y(&self) -> &Y {

@@ -163,6 +163,10 @@ impl Tableau<'_> {
             forms.form[1] = forms.form[0];
         }
         let forms = forms;
+        let steps_back = matches!(
+            self.scheme,
+            Scheme::Multistep(_) | Scheme::Stormer(_) | Scheme::PredictorCorrector { .. }
+        );
         let first = &forms.form[0];
         // Decimals are as good as their digits, exact entries as the arithmetic.
         let tolerance = if self.digits == 0 { 1e-28 } else { 10f64.powi(-(self.digits as i32)).max(1e-28) };
@@ -190,7 +194,7 @@ impl Tableau<'_> {
             evaluations: form.as_ref().map_or(self.stages(), |form| form.s),
             order: self.order,
             dense: (self.dense_order > 0).then_some(self.dense_order),
-            fsal: form.as_ref().is_some_and(fsal),
+            fsal: !steps_back && form.as_ref().is_some_and(fsal),
             stiffly_accurate: None,
             stage_order: None,
             principal_error: principal,
@@ -268,10 +272,7 @@ impl Tableau<'_> {
         if let Scheme::Splitting(splitting) = &self.scheme {
             all.symmetric = Some(palindrome(splitting, loose));
         }
-        if matches!(
-            self.scheme,
-            Scheme::Multistep(_) | Scheme::Stormer(_) | Scheme::PredictorCorrector { .. }
-        ) {
+        if steps_back {
             all.zero_stable = Some(zero_stable(first, loose).is_ok());
         }
         all

@@ -347,10 +347,11 @@ impl Locus {
         let (mut middle, mut width) = (sharpest.unwrap_or(1) as f64 * step, step);
         for _ in 0..40 {
             width *= 0.7;
-            let better = |x: f64| if angle(x) < angle(middle) { x } else { middle };
-            middle = better(middle - width);
-            let better = |x: f64| if angle(x) < angle(middle) { x } else { middle };
-            middle = better(middle + width);
+            for x in [middle - width, middle + width] {
+                if angle(x) < angle(middle) {
+                    middle = x;
+                }
+            }
         }
         angle(middle)
     }
