@@ -9,13 +9,6 @@ use std::time::Instant;
 
 const H: f64 = 1e-3;
 
-/// One multiplication and addition per component: the right-hand side reads y and writes dy, no more.
-fn decay(_t: f64, y: &Vec<f64>, dy: &mut Vec<f64>) {
-    for (dy, y) in dy.iter_mut().zip(y) {
-        *dy = 0.25 - 0.5 * y;
-    }
-}
-
 /// Bytes per second of `a = b + s c`, 24 bytes a component, the best of several passes.
 fn triad(n: usize) -> f64 {
     let (mut a, b, c) = (vec![0.0; n], vec![1.0; n], vec![2.0; n]);
@@ -47,6 +40,12 @@ fn streams(method: &impl Method) -> usize {
 
 /// Seconds of a run of that many steps.
 fn run(method: &impl Method, n: usize, steps: usize) -> f64 {
+    // One multiplication and addition per component: f reads y and writes dy, no more.
+    let decay = |_t: f64, y: &Vec<f64>, dy: &mut Vec<f64>| {
+        for (dy, y) in dy.iter_mut().zip(y) {
+            *dy = 0.25 - 0.5 * y;
+        }
+    };
     let start = Instant::now();
     let ivp = solve(decay, vec![1.0; n], 0.0..steps as f64 * H).with(method.clone()).step(H);
     black_box(ivp.run().expect("a smooth problem"));

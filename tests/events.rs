@@ -216,6 +216,32 @@ fn a_bouncing_ball_follows_its_closed_form() {
     }
 }
 
+/// The same ball as a second-order equation, where the velocity is not a part of the state.
+#[test]
+fn velocities_of_second_order_equations_can_be_changed() {
+    let fall = |_: f64, _: &[f64; 1], a: &mut [f64; 1]| a[0] = -9.81;
+    let (e, wanted) = (0.8, touch_downs(0.8, 6));
+    let run = || {
+        let run = solve_second(fall, [1.0], [0.0], 0.0..wanted[5] + 0.01).step(0.01);
+        run.change_motion_at(Crossing::Falling, |_, x| x[0], |_, _, v| v[0] *= -e)
+    };
+    let speed = (2.0 * 9.81f64).sqrt() * e.powi(6);
+    for s in [run().run().unwrap(), run().with(Verlet).run().unwrap()] {
+        close_to(&times(&s.events), &wanted, 1e-11);
+        assert!((s.v.unwrap()[0] - (speed - 9.81 * 0.01)).abs() < 1e-9);
+    }
+    let run = solve(circle, [0.0, 1.0], 0.0..1.0).change_motion_at(Crossing::Any, |_, y| y[0], |_, _, _| {});
+    assert!(matches!(run.run().unwrap_err().why, Why::Invalid(text) if text.contains("change_at")));
+}
+
+/// A function that is no number for a while hides its roots there and nothing else.
+#[test]
+fn an_event_function_may_have_gaps() {
+    let g = |t: f64, y: &Y| if (2.0..4.0).contains(&t) { f64::NAN } else { y[0] };
+    let s = on_circle(0.5, 10.0).max_step(0.2).record(Crossing::Any, g).run().unwrap();
+    assert_times(&times(&s.events), &[2.0 * PI, 3.0 * PI], "outside the gap");
+}
+
 /// The ball comes to rest at T (1 + e)/(1 - e) after endlessly many bounces: the run stops there and says so.
 #[test]
 fn bounces_without_end_have_a_name() {

@@ -10,9 +10,8 @@ use files::Folder;
 use indicatif::{ProgressBar, ProgressStyle};
 use kutta::compare::{Outcome, Row};
 use kutta::problems;
-use kutta::{Loaded, Method};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Problems compared on unless others are named: not stiff, small, and one of middle size.
 const PROBLEMS: [&str; 8] = [
@@ -163,23 +162,20 @@ fn contestants(args: &Args) -> Result<Vec<Contestant>, Failure> {
     for path in &args.tables {
         sources.push(Source::file(&path.to_string_lossy())?);
     }
-    let mut chosen: Vec<(Source, Contestant)> = vec![];
+    let mut chosen: Vec<Contestant> = vec![];
     for source in sources {
-        let unfit = |line: String| Err(Failure::Input(line));
-        match chosen.iter().find(|(other, _)| other.name == source.name) {
-            Some((other, _)) if other.path == source.path => continue,
-            Some((other, _)) => {
+        match chosen.iter().find(|other| other.name == source.name) {
+            Some(other) if other.path == source.path => {}
+            Some(other) => {
                 let (path, name) = (&source.path, &source.name);
-                return unfit(format!("{path}: {name} is compared already ({}): rename the file", other.path));
+                let line = format!("{path}: {name} is compared already, from {}: rename the file", other.path);
+                return Err(Failure::Input(line));
             }
-            None => {}
-        }
-        let loaded = Loaded::parse(&source.name, &source.text);
-        match loaded.and_then(|loaded| source.tableau().map(|_| loaded)) {
-            Ok(loaded) => chosen.push((source, Contestant::new(loaded))),
-            Err(error) => return unfit(source.message(&error)),
+            None => {
+                let method = Contestant::new(&source);
+                chosen.push(method.map_err(|error| Failure::Input(source.message(&error)))?);
+            }
         }
     }
-    let shipped = |source: &Source| source.proven;
-    Ok(chosen.into_iter().map(|(source, method)| Contestant { shipped: shipped(&source), ..method }).collect())
+    Ok(chosen)
 }

@@ -54,7 +54,7 @@ pub fn main() -> ExitCode {
             Command::Show(args) => show::run(args),
             Command::Check(args) => check::run(args),
             Command::Solve(args) => solve::run(args),
-            Command::Compare(args) => compare::run(args).map_err(Failure::Input),
+            Command::Compare(args) => compare::run(args),
         },
     };
     match done {

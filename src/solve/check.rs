@@ -1,6 +1,7 @@
 //! What a problem and its options must fulfil before the first step.
 
 use super::control::Controller;
+use super::event::Then;
 use super::ivp::Options;
 use super::outcome::first_non_finite;
 use super::run::Pace;
@@ -34,6 +35,9 @@ pub(crate) fn check<M: Method, Y: State, P: Pace>(
             return Some(format!("the position has {x} components but the velocity {v}"));
         }
         _ => {}
+    }
+    if form.d == 1 && options.events.iter().any(|event| matches!(event.then, Then::ChangeMotion(_))) {
+        return Some("change_motion_at is for y'' = f(t, y): use change_at".to_string());
     }
     for (what, t) in [("start", span.start), ("end", span.end)] {
         if !t.finite() {

@@ -20,6 +20,8 @@ pub(crate) enum Then<'w, Y: State> {
     Record,
     Stop,
     Change(Box<dyn FnMut(RealOf<Y>, &mut Y) + 'w>),
+    /// Of y'' = f(t, y): position and velocity.
+    ChangeMotion(Box<dyn FnMut(RealOf<Y>, &mut Y, &mut Y) + 'w>),
 }
 
 pub(crate) struct Event<'w, Y: State> {

@@ -46,9 +46,7 @@ pub fn solve_second<'w, Y: State, R: Verdict, F>(
 where
     F: FnMut(RealOf<Y>, &Y, &mut Y) -> R,
 {
-    let mut ivp = Ivp::new(f, y0, span).with(crate::methods::VelocityVerlet);
-    ivp.v0 = Some(v0);
-    ivp
+    Ivp::second(f, y0, v0, span)
 }
 
 /// An initial value problem with its method and options. Every option has a default.
@@ -99,6 +97,18 @@ impl<'w, Y: State, S: System<Y>> Ivp<'w, Y, S> {
         };
         Self { system, y0, v0: None, span, method: Tsit54, options, pace: PhantomData }
     }
+
+    /// The same as [`solve_second`], for a struct that is a [`System`].
+    pub fn second(
+        system: S,
+        y0: Y,
+        v0: Y,
+        span: Range<RealOf<Y>>,
+    ) -> Ivp<'w, Y, S, crate::methods::VelocityVerlet> {
+        let mut ivp = Self::new(system, y0, span).with(crate::methods::VelocityVerlet);
+        ivp.v0 = Some(v0);
+        ivp
+    }
 }
 
 impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Ivp<'w, Y, S, M, P> {
@@ -118,8 +128,9 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Ivp<'w, Y, S, M, P> {
     /// Relative error allowed per step and component. Default 1e-6. Too small a number takes many steps,
     /// below the rounding error it never succeeds.
     pub fn rtol(mut self, rtol: RealOf<Y>) -> Self {
-        if let Tolerance::Scalar { rtol: r, .. } = &mut self.options.tolerance {
-            *r = rtol;
+        match &mut self.options.tolerance {
+            Tolerance::Scalar { rtol: r, .. } => *r = rtol,
+            Tolerance::Each(each) => each.iter_mut().for_each(|(r, _)| *r = rtol),
         }
         self
     }
@@ -127,8 +138,9 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Ivp<'w, Y, S, M, P> {
     /// Absolute error allowed per step and component, in the units of y: the size below which a component
     /// does not matter. Default 1e-9. Zero demands relative accuracy of every component, also near zero.
     pub fn atol(mut self, atol: RealOf<Y>) -> Self {
-        if let Tolerance::Scalar { atol: a, .. } = &mut self.options.tolerance {
-            *a = atol;
+        match &mut self.options.tolerance {
+            Tolerance::Scalar { atol: a, .. } => *a = atol,
+            Tolerance::Each(each) => each.iter_mut().for_each(|(_, a)| *a = atol),
         }
         self
     }
@@ -179,6 +191,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Ivp<'w, Y, S, M, P> {
 
     /// The one-step method that starts a multistep one. Default: one of at least its order.
     pub fn start_with<N: Method>(mut self, starter: N) -> Self {
+        const { assert!(N::READ || N::FORM.is_some(), "this method cannot be stepped yet: its stages are implicit") };
         self.options.starter = Some(Loaded::of(starter.name(), starter.form()));
         self
     }
@@ -238,6 +251,16 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Ivp<'w, Y, S, M, P> {
         change: impl FnMut(RealOf<Y>, &mut Y) + 'w,
     ) -> Self {
         self.event(crossing, g, Then::Change(Box::new(change)))
+    }
+
+    /// Changes position and velocity of y'' = f(t, y) at each root of `g(t, y)` and starts anew from there.
+    pub fn change_motion_at(
+        self,
+        crossing: Crossing,
+        g: impl FnMut(RealOf<Y>, &Y) -> RealOf<Y> + 'w,
+        change: impl FnMut(RealOf<Y>, &mut Y, &mut Y) + 'w,
+    ) -> Self {
+        self.event(crossing, g, Then::ChangeMotion(Box::new(change)))
     }
 
     fn event(

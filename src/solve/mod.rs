@@ -1,5 +1,6 @@
 //! From an initial value problem to a solution: options, the loop, what looks on, what comes back.
 
+mod begin;
 mod check;
 pub(crate) mod control;
 mod dense;

@@ -6,11 +6,12 @@ use super::watch::{Flow, Watch};
 use crate::step::method::{Known, Method};
 use crate::step::norm::Tolerance;
 use crate::step::row::form_of;
-use crate::step::scalar::{Arith, Real, Scalar};
+use crate::step::scalar::{Arith, Fused, Plain, Real, Scalar};
 use crate::step::state::{RealOf, State};
 use crate::step::stepper::{Stepper, unseen_slope};
 use crate::step::system::System;
 use num_traits::{One, Zero};
+use std::marker::PhantomData;
 
 /// How the step is chosen: a type, so that only one of the two loops is compiled into a run.
 pub trait Pace {
@@ -78,6 +79,43 @@ pub(crate) enum Ended {
     /// An event changed the state: a new leg begins at the leg's `t`.
     Changed,
     Failed(Why),
+}
+
+/// Runs a leg with the widest arithmetic that keeps its promise: adaptive steps may fuse products and
+/// sums; fixed steps give the same bits on every machine, so only long vectors are dispatched, unfused.
+pub(crate) fn run_leg<M: Method, Y: State, S: System<Y>, P: Pace>(
+    leg: Leg<M, Y, S>,
+    rules: &Rules<RealOf<Y>>,
+    watch: &mut Watch<'_, Y>,
+) -> (Leg<M, Y, S>, Ended) {
+    #[cfg(target_arch = "x86_64")]
+    if (P::ADAPTIVE || !Y::INLINE)
+        && let Some(simd) = pulp::x86::V3::try_new()
+    {
+        return simd.vectorize(Wide::<'_, '_, M, Y, S, P> { leg, rules, watch, pace: PhantomData });
+    }
+    drive::<Plain, P, M, Y, S>(leg, rules, watch)
+}
+
+#[cfg(target_arch = "x86_64")]
+struct Wide<'a, 'w, M: Method, Y: State, S, P> {
+    leg: Leg<M, Y, S>,
+    rules: &'a Rules<RealOf<Y>>,
+    watch: &'a mut Watch<'w, Y>,
+    pace: PhantomData<P>,
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<M: Method, Y: State, S: System<Y>, P: Pace> pulp::NullaryFnOnce for Wide<'_, '_, M, Y, S, P> {
+    type Output = (Leg<M, Y, S>, Ended);
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        if const { P::ADAPTIVE } {
+            drive::<Fused, P, M, Y, S>(self.leg, self.rules, self.watch)
+        } else {
+            drive::<Plain, P, M, Y, S>(self.leg, self.rules, self.watch)
+        }
+    }
 }
 
 /// Runs to the end of the leg. It owns the leg: a stepper behind a reference would live in memory, and

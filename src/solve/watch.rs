@@ -117,7 +117,7 @@ impl<Y: State> Watch<'_, Y> {
                 if flow == Flow::Change(end) && root.t != end {
                     break;
                 }
-                let (mut y, v) = self.landed.take().unwrap_or_else(|| {
+                let (mut y, mut v) = self.landed.take().unwrap_or_else(|| {
                     let mut y = stepper.y().clone();
                     at(root.theta, &mut y);
                     let v = self.second_order.then(|| {
@@ -136,6 +136,12 @@ impl<Y: State> Watch<'_, Y> {
                     Then::Change(change) => {
                         event.root = Some((event.g)(root.t, &y));
                         change(root.t, &mut y);
+                    }
+                    Then::ChangeMotion(change) => {
+                        event.root = Some((event.g)(root.t, &y));
+                        if let Some(v) = &mut v {
+                            change(root.t, &mut y, v);
+                        }
                     }
                 }
                 self.landed = Some((y, v));

@@ -73,7 +73,7 @@ impl Method for Loaded {
 /// kutta::tableau!(
 ///     /// The classical method.
 ///     ClassicalFour,
-///     "../tableaus/explicit/rk4.toml"
+///     "../../tableaus/explicit/rk4.toml"
 /// );
 /// # fn main() {}
 /// ```

@@ -164,7 +164,7 @@ impl Characteristic {
         // of it and was not divided out.
         let degree = if q.len() == 1 { s } else { r * s };
         // w[i][j] is the polynomial q(z) M(z).
-        let polynomial = |v: &D| q.iter().map(|q| *q * *v).chain([D::ZERO; 1]).collect::<Vec<_>>();
+        let polynomial = |v: &D| q.iter().map(|q| *q * *v).collect::<Vec<_>>();
         let mut w: Vec<Vec<Vec<D>>> = v.iter().map(|row| row.iter().map(polynomial).collect()).collect();
         for (m, n) in n.iter().enumerate() {
             for (w, product) in w.iter_mut().zip(times(b, &times(n, u))) {
@@ -174,7 +174,7 @@ impl Characteristic {
                 }
             }
         }
-        // Faddeev and Leverrier again, over polynomials: adj accumulates w^k I + .. of the adjugate.
+        // Faddeev and Leverrier again, over polynomials in z.
         let mut c = vec![vec![]; r + 1];
         c[r] = vec![D::ONE];
         let mut adj: Vec<Vec<Vec<D>>> = vec![vec![vec![]; r]; r];

@@ -1,8 +1,10 @@
 //! A problem of the catalogue and the methods that meet on it: all compiled, or all interpreted.
 
+use crate::cli::Source;
 use kutta::compare::{Comparison, Outcome, Unfit};
 use kutta::methods::*;
 use kutta::problems::{self, *};
+use kutta::tableau::TableauError;
 use kutta::{Loaded, Method, State, System};
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -12,12 +14,27 @@ use std::time::Duration;
 #[derive(Clone)]
 pub struct Contestant {
     pub name: String,
+    pub path: String,
     /// It comes with the library and may be among the compiled.
-    pub compiled: bool,
+    shipped: bool,
     pub adaptive: bool,
     /// It is for y'' = f(t, y).
-    pub second_order: bool,
-    pub loaded: Loaded,
+    second_order: bool,
+    loaded: Loaded,
+}
+
+impl Contestant {
+    pub fn new(source: &Source) -> Result<Self, TableauError> {
+        let tableau = source.tableau()?;
+        Ok(Self {
+            name: source.name.clone(),
+            path: source.path.clone(),
+            shipped: source.proven,
+            adaptive: tableau.embedded[0] > 0,
+            second_order: tableau.second_order(),
+            loaded: Loaded::parse(&source.name, &source.text)?,
+        })
+    }
 }
 
 pub struct Contest {
@@ -95,7 +112,6 @@ meet! {
     first VdpMu1,
     first Arenstorf4Loop,
     second KeplerE06,
-    second HarmonicOscillator,
     second Pleiades,
     first Brusselator2d::new(64),
 }
@@ -110,7 +126,7 @@ impl Contest {
             chosen.iter().filter(|method| problem.second_order || !method.second_order).cloned().collect();
         let matrix = default_methods();
         let compiled = is_compiled(problem.name)
-            && methods.iter().all(|method| method.compiled && matrix.contains(&method.name));
+            && methods.iter().all(|method| method.shipped && matrix.contains(&method.name));
         Self { problem, methods, compiled, tolerances: tolerances.to_vec() }
     }
 

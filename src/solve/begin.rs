@@ -1,0 +1,214 @@
+//! How a leg begins: its steps, the old states of a multistep method, the first slope, the first step.
+
+use super::control::Control;
+use super::outcome::{Why, first_non_finite};
+use super::run::{Leg, Pace, not_finite};
+use super::start::{History, fill, first_step, starter, steps_behind};
+use super::steps::Steps;
+use super::watch::Flow;
+use crate::step::method::{Known, Method};
+use crate::step::row::form_of;
+use crate::step::scalar::{Plain, Real, Scalar};
+use crate::step::state::{RealOf, State};
+use crate::step::stepper::Stepper;
+use crate::step::system::System;
+use crate::tableau::{Form, Meaning};
+use num_traits::Zero;
+
+impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
+    /// Sets out for `stop` from where the run is. None where the starting steps already reached it.
+    pub(super) fn begin(&mut self, stop: RealOf<Y>) -> Result<Option<Leg<M, Y, S>>, Why> {
+        let Some(mut system) = self.system.take() else { return Ok(None) };
+        let method = self.method.clone();
+        let form = form_of(&method);
+        let mut stepper = Stepper::new(self.method.clone(), &self.y);
+        // A break is met a few spacings early, where f still has its left value; spacings of zero are those
+        // of what rounding leaves of the way there.
+        let nudge = (stop.ulp() * RealOf::<Y>::from_f64(4.0)).maximum((stop - self.t).ulp().ulp());
+        let end = match stop == self.end {
+            true => stop,
+            false if stop > self.t => stop - nudge,
+            false => stop + nudge,
+        };
+        // An event may have left nothing of the way.
+        if stop == self.t || (end > self.t) != (stop > self.t) {
+            self.t = stop;
+            self.stops.pop();
+            self.system = Some(system);
+            return Ok(None);
+        }
+        let (mut steps, mut h) = (0, RealOf::<Y>::zero());
+        if !P::ADAPTIVE {
+            let size = self.options.step.unwrap_or(end - self.t);
+            let span = end - self.t;
+            steps = (span.modulus() / size.modulus()).to_f64().round().max(1.0) as u64;
+            h = span / RealOf::<Y>::from_f64(steps as f64);
+            self.tried = h;
+        }
+        let origin = self.t;
+        let mut history = History { ys: vec![self.y.clone()], slopes: vec![] };
+        let behind = (steps_behind(form) as u64).min(steps);
+        // Compiled only where there may be old steps to make.
+        if const { M::READ || !Known::<M>::FORM.one_step() } && behind > 0 {
+            let begun = Begun { origin, h, steps, end, stop, behind };
+            match self.first_steps(system, form, begun, &mut history)? {
+                Some(lent) => system = lent,
+                None => return Ok(None),
+            }
+        }
+        self.stats.evaluations += fill(&mut stepper, &mut system, self.t, &history, self.v.as_ref())
+            .map_err(|_| Why::OutOfDomain { stage: 0 })?;
+
+        let mut known = false;
+        if P::ADAPTIVE {
+            let at = match (0..form.r).find(|&j| form.means[j] == Meaning::F(0)) {
+                Some(j) => j,
+                None => {
+                    known = form.stage[0].copies();
+                    let slope = &mut stepper.words_mut()[form.r];
+                    system.rhs(self.t, &self.y, slope).map_err(|_| Why::OutOfDomain { stage: 0 })?;
+                    self.stats.evaluations += 1;
+                    form.r
+                }
+            };
+            let slope = stepper.word(at);
+            if let Some(component) = first_non_finite(slope) {
+                return Err(Why::NonFinite { component, stage: Some(0) });
+            }
+            let order = form.order.min(form.embedded[0].max(form.embedded[1]));
+            let size = match self.options.step.take() {
+                Some(size) => size,
+                None => {
+                    let span = (self.t, end);
+                    let h = first_step(&mut system, span, &self.y, slope, order, &self.rules, &mut self.stats);
+                    // Its guesses know neither the spacing of late times nor the least step.
+                    h.modulus().maximum(self.t.ulp() * RealOf::<Y>::from_f64(16.0)).maximum(self.rules.min_step)
+                }
+            };
+            let size = size.minimum((end - self.t).modulus()).minimum(self.rules.max_step);
+            h = if end > self.t { size } else { -size };
+        }
+        Ok(Some(Leg {
+            stepper,
+            system,
+            t: self.t,
+            end,
+            stop,
+            h,
+            origin,
+            index: behind,
+            steps,
+            lost: RealOf::<Y>::zero(),
+            control: Control::new(self.controller, estimate_order(form)),
+            stats: self.stats,
+            known,
+            last: self.h,
+        }))
+    }
+
+    /// Takes the steps that lie behind the first step of a multistep method, with a one-step one. Gives the
+    /// system back, or nothing where the run ended, changed course or reached its stop on the way.
+    #[inline(never)]
+    fn first_steps(
+        &mut self,
+        mut system: S,
+        form: &Form,
+        Begun { origin, h, steps, end, stop, behind }: Begun<RealOf<Y>>,
+        history: &mut History<Y>,
+    ) -> Result<Option<S>, Why> {
+        let mut first = Stepper::new(self.options.starter.clone().unwrap_or_else(|| starter(form)), &self.y);
+        let lone = History { ys: vec![self.y.clone()], slopes: vec![] };
+        self.stats.evaluations += fill(&mut first, &mut system, self.t, &lone, self.v.as_ref())
+            .map_err(|refused| self.refused(refused.stage))?;
+        for i in 1..=behind {
+            let next = if i == steps { end } else { origin + RealOf::<Y>::from_f64(i as f64) * h };
+            let mut slope = self.y.clone();
+            self.stats.evaluations += 1;
+            system.rhs(self.t, first.y(), &mut slope).map_err(|_| self.refused(0))?;
+            history.slopes.push(slope);
+            self.stats.evaluations += first.form().s as u64;
+            first
+                .attempt::<Plain, S>(&mut system, (self.t, next), h, false)
+                .map_err(|refused| self.refused(refused.stage))?;
+            if first_non_finite(first.next(0)).is_some()
+                && let Some(why) = not_finite(&first)
+            {
+                self.stats.rejected.non_finite += 1;
+                return Err(why);
+            }
+            let next = if i == steps { stop } else { next };
+            if self.watch.active() {
+                let calls = &mut self.stats.evaluations;
+                let flow = self.watch.show(&first, &mut system, self.t, h, next, calls);
+                self.watch.dense.forget();
+                match flow {
+                    Flow::Go | Flow::Pause => {}
+                    Flow::Retry(why) => {
+                        self.stats.rejected.count(&why);
+                        return Err(why);
+                    }
+                    Flow::Stop => self.done = true,
+                    Flow::Change(at) => {
+                        self.stats.accepted += 1;
+                        self.system = Some(system);
+                        self.land(at);
+                        self.note_early();
+                        return self.guard_against_endless_events().map(|()| None);
+                    }
+                }
+            }
+            first.accept();
+            self.stats.accepted += 1;
+            (self.t, self.h) = (next, h);
+            self.y.as_mut_slice().copy_from_slice(first.y().as_slice());
+            self.note_early();
+            history.ys.push(self.y.clone());
+            if let Some(j) = first.form().means[..first.form().r].iter().position(|&m| m == Meaning::V) {
+                self.v = Some(first.word(j).clone());
+            }
+            if self.done || i == steps {
+                self.system = Some(system);
+                if i == steps {
+                    self.stops.pop();
+                    self.done |= self.stops.is_empty();
+                }
+                return Ok(None);
+            }
+        }
+        Ok(Some(system))
+    }
+
+    /// A step of fixed size was refused.
+    fn refused(&mut self, stage: usize) -> Why {
+        self.stats.rejected.domain += 1;
+        Why::OutOfDomain { stage }
+    }
+
+    /// Hands a step that starts a multistep method to the iterator.
+    fn note_early(&mut self) {
+        if self.watch.one_by_one {
+            self.early.push_back((self.t, self.y.clone()));
+        }
+    }
+}
+
+/// A leg of fixed steps, as far as its start must know it.
+struct Begun<R> {
+    origin: R,
+    h: R,
+    steps: u64,
+    end: R,
+    stop: R,
+    behind: u64,
+}
+
+/// The power of h in the error estimate; of two embedded rows of different order, that of DOP853's
+/// combination e1^2 / sqrt(e1^2 + 0.01 e2^2).
+fn estimate_order(form: &Form) -> usize {
+    let of = |k: usize| form.embedded[k].min(form.order) + 1;
+    match form.errors {
+        2 if form.embedded[0] != form.embedded[1] => 2 * of(0) - of(1),
+        0 => form.order + 1,
+        _ => of(0),
+    }
+}
