@@ -20,11 +20,14 @@ fn main() {
         seen.push(name);
         let camel = camel_case(name);
         let text = fs::read_to_string(file).expect("a readable method file");
-        let title = text.lines().find_map(|l| l.strip_prefix("name")?.trim().strip_prefix('=')).unwrap_or(name);
-        let title = title.trim().trim_matches('"');
+        let title =
+            text.lines().find_map(|l| l.strip_prefix("name")?.trim().strip_prefix('=')).unwrap_or(name);
+        // Brackets would be links.
+        let title = title.trim().trim_matches('"').replace('[', "\\[").replace(']', "\\]");
         let path = format!("concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/{shown}\")");
         writeln!(types, "crate::tableau!(@ #[doc = {title:?}] {camel}, {path}, {shown:?});").unwrap();
-        writeln!(entries, "Entry {{ name: {name:?}, path: {shown:?}, text: include_str!({path}) }},").unwrap();
+        writeln!(entries, "Entry {{ name: {name:?}, path: {shown:?}, text: include_str!({path}) }},")
+            .unwrap();
         writeln!(forms, "({name:?}, <{camel} as crate::Method>::FORM),").unwrap();
     }
     let code = format!(

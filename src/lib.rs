@@ -21,7 +21,7 @@
 //!   computed so far.
 //! - [`methods`]: a type for every method, one per file of `tableaus/`. [`tableau!`] makes one of a file of
 //!   yours, [`Loaded`] reads one at run time.
-//! - [`tableau`]: what a method file holds, its proof and its derived properties; the one form that steps.
+//! - [`tableau`](mod@tableau): what a method file holds, its proof and its derived properties; the one form that steps.
 //! - [`State`], [`Scalar`], [`System`]: what can be stepped: arrays, `Vec`, nalgebra vectors, faer columns
 //!   of `f64`, `f32`, complex numbers or [`tableau::DoubleDouble`].
 //! - [`problems`]: a catalogue with references to many digits.

@@ -75,7 +75,10 @@ fn climb<P: Problem>(problem: &P, pair: &Loaded) {
     if let ([from, .., to], true) = (&errors[..], *errors.last().unwrap() > 10.0 * rounding) {
         let slope = (from / to).log10() / (digits[digits.len() - 1] - digits[0]) as f64;
         // Fehlberg's 4/5, and chance at both ends.
-        assert!(slope > 0.65 && slope < 1.6, "{what}: error falls with the power {slope:.2} of the tolerance");
+        assert!(
+            slope > 0.65 && slope < 1.6,
+            "{what}: error falls with the power {slope:.2} of the tolerance"
+        );
     }
 }
 

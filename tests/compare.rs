@@ -23,7 +23,8 @@ fn of<'o>(outcome: &'o Outcome, method: &str) -> Vec<&'o Row> {
 
 #[test]
 fn every_run_is_a_whole_row() {
-    let outcome = swings().method(Dp54).fixed(Rk4).tolerances(&[1e-8, 1e-4]).steps(&[0.5, 0.125]).run().unwrap();
+    let outcome =
+        swings().method(Dp54).fixed(Rk4).tolerances(&[1e-8, 1e-4]).steps(&[0.5, 0.125]).run().unwrap();
     assert_eq!(outcome.reference, Reference::Exact);
     let settings: Vec<_> = outcome.rows.iter().map(|row| (row.method.as_str(), row.tolerance)).collect();
     assert_eq!(settings, [("dp54", 1e-4), ("dp54", 1e-8), ("rk4", 0.5), ("rk4", 0.125)], "loose to tight");
@@ -210,7 +211,8 @@ fn row(method: &str, error: f64, seconds: f64, evaluations: u64) -> Row {
 
 #[test]
 fn the_fastest_is_read_off_the_rows() {
-    let failed = Row { error: None, seconds_min: None, failure: Some("unstable".into()), ..row("a", 1.0, 1.0, 1) };
+    let failed =
+        Row { error: None, seconds_min: None, failure: Some("unstable".into()), ..row("a", 1.0, 1.0, 1) };
     let rows = [
         failed,
         row("a", 1e-2, 1e-5, 100),

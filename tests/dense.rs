@@ -36,17 +36,30 @@ fn requested_times_are_met_to_the_last_bit_in_both_directions() {
             // h^1 at worst, and at best what 500 steps can do.
             let solutions = if method.form().errors > 0 {
                 let run = solve(circle, on_circle(t0), t0..t1).with(method.clone()).rtol(1e-9).atol(1e-9);
-                vec![run.at(&times).run().unwrap(), solve(circle, on_circle(t0), t0..t1).with(method.clone()).step(0.01).at(&times).run().unwrap()]
+                vec![
+                    run.at(&times).run().unwrap(),
+                    solve(circle, on_circle(t0), t0..t1)
+                        .with(method.clone())
+                        .step(0.01)
+                        .at(&times)
+                        .run()
+                        .unwrap(),
+                ]
             } else {
                 vec![run.step(0.01).at(&times).run().unwrap()]
             };
             for s in solutions {
                 assert_eq!(s.ts, times, "{}", method.name());
                 assert_eq!((s.ys[0], s.ys[97]), (on_circle(t0), s.y), "{}", method.name());
-                let largest = s.ts.iter().zip(&s.ys).map(|(t, y)| distance(y, &on_circle(*t))).fold(0.0, f64::max);
+                let largest =
+                    s.ts.iter().zip(&s.ys).map(|(t, y)| distance(y, &on_circle(*t))).fold(0.0, f64::max);
                 let end = distance(&s.y, &on_circle(t1));
                 // Between steps the error is of the same kind as at the end, where it may have turned to be small.
-                assert!(largest < 30.0 * end + 1e-8, "{}: {largest:e} along the way, {end:e} at the end", method.name());
+                assert!(
+                    largest < 30.0 * end + 1e-8,
+                    "{}: {largest:e} along the way, {end:e} at the end",
+                    method.name()
+                );
             }
         }
     }
@@ -105,7 +118,10 @@ fn the_curve_has_no_kinks() {
         for (t, y) in times.chunks(3).zip(ys.chunks(3)) {
             // Left of a step's end, there, right of it: the difference is the slope to four digits.
             let (left, right) = ((y[1][0] - y[0][0]) / near, (y[2][0] - y[1][0]) / near);
-            assert!((left - t[1].cos()).abs() < 1e-3 && (right - t[1].cos()).abs() < 1e-3, "{t:?}: {left} {right}");
+            assert!(
+                (left - t[1].cos()).abs() < 1e-3 && (right - t[1].cos()).abs() < 1e-3,
+                "{t:?}: {left} {right}"
+            );
         }
     };
     let ends: Vec<f64> = solve(circle, on_circle(0.0), 0.0..6.0).every_step().run().unwrap().ts;
@@ -143,7 +159,12 @@ fn second_order_equations_give_positions_and_velocities() {
                 assert!(error < bound, "{} at {t}: {error:e}", method.name());
             }
             let every = run().every_step().run().unwrap();
-            assert_eq!((every.ts.len(), every.vs.len(), every.y, every.v), (5001, 5001, s.y, s.v), "{}", method.name());
+            assert_eq!(
+                (every.ts.len(), every.vs.len(), every.y, every.v),
+                (5001, 5001, s.y, s.v),
+                "{}",
+                method.name()
+            );
         }
     }
     let run = || solve_second(a, [0.0], [1.0], 0.0..1.0).step(0.1);
@@ -197,7 +218,8 @@ fn interpolation_does_not_leave_the_domain() {
 #[test]
 fn the_default_is_smooth_enough() {
     let times = all_over(0.0, 20.0);
-    let s = solve(circle, on_circle(0.0), 0.0..20.0).with(Tsit54).rtol(1e-8).atol(1e-8).at(&times).run().unwrap();
+    let s =
+        solve(circle, on_circle(0.0), 0.0..20.0).with(Tsit54).rtol(1e-8).atol(1e-8).at(&times).run().unwrap();
     let largest = s.ts.iter().zip(&s.ys).map(|(t, y)| distance(y, &on_circle(*t))).fold(0.0, f64::max);
     assert!(largest < 1e-6 && s.stats.accepted < 97 * 3, "{largest:e} in {} steps", s.stats.accepted);
 }

@@ -63,8 +63,16 @@ fn every_family_finds_roots() {
     let wanted = [PI, 2.0 * PI, 3.0 * PI];
     let g = |_: f64, y: &Y| y[0];
     let of = |s: Solution<Y>| times(&s.events);
-    assert_times(&of(on_circle(0.5, 10.0).with(Tsit54).record(Crossing::Any, g).run().unwrap()), &wanted, "Tsit54");
-    assert_times(&of(on_circle(0.5, 10.0).with(Dop853).record(Crossing::Any, g).run().unwrap()), &wanted, "Dop853");
+    assert_times(
+        &of(on_circle(0.5, 10.0).with(Tsit54).record(Crossing::Any, g).run().unwrap()),
+        &wanted,
+        "Tsit54",
+    );
+    assert_times(
+        &of(on_circle(0.5, 10.0).with(Dop853).record(Crossing::Any, g).run().unwrap()),
+        &wanted,
+        "Dop853",
+    );
     let fixed = || on_circle(0.5, 10.0).step(1e-2).record(Crossing::Any, g);
     // Errors of fixed steps: h^4 times a constant below 1 for each unit of time.
     let close = |found: Vec<f64>, tolerance: f64| {
@@ -136,16 +144,20 @@ fn several_roots_in_one_step_come_in_order() {
         let run = solve(line, [t0], t0..t1).with(Euler).step(1.0);
         let run = run.record(Crossing::Any, |_, y| (y[0] - 0.2) * (y[0] - 0.45) * (y[0] - 0.7));
         let s = run.record(Crossing::Any, |_, y| 3.0 * (y[0] - 0.5)).run().unwrap();
-        let mut wanted = vec![(0, 0.2), (0, 0.45), (1, 0.5), (0, 0.7)];
+        let mut wanted = [(0, 0.2), (0, 0.45), (1, 0.5), (0, 0.7)];
         if t1 < t0 {
             wanted.reverse();
         }
         assert_eq!(s.stats.accepted, 1);
-        assert_eq!(s.events.iter().map(|e| e.event).collect::<Vec<_>>(), wanted.iter().map(|w| w.0).collect::<Vec<_>>());
+        assert_eq!(
+            s.events.iter().map(|e| e.event).collect::<Vec<_>>(),
+            wanted.iter().map(|w| w.0).collect::<Vec<_>>()
+        );
         close_to(&times(&s.events), &wanted.iter().map(|w| w.1).collect::<Vec<_>>(), 1e-14);
     }
     // SciPy's three crossings of which it missed two: sin(20 t) within long steps of y' = 1.
-    let s = solve(line, [0.0], 0.0..1.0).with(Euler).step(0.5).record(Crossing::Any, |_, y| (20.0 * y[0]).sin());
+    let s =
+        solve(line, [0.0], 0.0..1.0).with(Euler).step(0.5).record(Crossing::Any, |_, y| (20.0 * y[0]).sin());
     let wanted: Vec<f64> = (1..=6).map(|k| k as f64 * PI / 20.0).collect();
     close_to(&times(&s.run().unwrap().events), &wanted, 1e-14);
 }
@@ -168,9 +180,9 @@ fn a_terminal_event_ends_the_run_there() {
     assert!(s.y[0].abs() < 1e-14 && (s.y[1] - 1.0).abs() < 1e-9);
     assert_eq!((s.ts.last(), s.ys.last(), s.events.len()), (Some(&s.t), Some(&s.y), 1));
     // What was asked for after it is not there; before it everything is, recorded roots too.
-    let run = on_circle(0.5, 100.0).at(&[1.0, 6.0, 6.28, 6.3, 50.0]).record(Crossing::Any, |_, y| y[1]);
+    let run = on_circle(0.5, 100.0).at(&[1.0, 6.0, 6.25, 6.3, 50.0]).record(Crossing::Any, |_, y| y[1]);
     let s = run.stop_at(Crossing::Rising, |_, y| y[0]).run().unwrap();
-    assert_eq!(s.ts, [1.0, 6.0, 6.28]);
+    assert_eq!(s.ts, [1.0, 6.0, 6.25]);
     assert_times(&times(&s.events), &[0.5 * PI, 1.5 * PI, 2.0 * PI], "before the stop");
     // Roots of the same step behind the one that stops are not recorded.
     let line = |_: f64, _: &[f64; 1], dy: &mut [f64; 1]| dy[0] = 1.0;
@@ -273,9 +285,8 @@ fn many_events_late_in_time_are_not_endless() {
 #[test]
 fn a_change_may_leap_away_from_its_root() {
     let line = |_: f64, _: &[f64; 1], dy: &mut [f64; 1]| dy[0] = 1.0;
-    let saw = |t1: f64| {
-        solve(line, [0.0], 0.0..t1).change_at(Crossing::Any, |_, y| y[0] - 1.0, |_, y| y[0] = 0.0)
-    };
+    let saw =
+        |t1: f64| solve(line, [0.0], 0.0..t1).change_at(Crossing::Any, |_, y| y[0] - 1.0, |_, y| y[0] = 0.0);
     let s = saw(5.5).run().unwrap();
     close_to(&times(&s.events), &[1.0, 2.0, 3.0, 4.0, 5.0], 1e-13);
     assert!((s.y[0] - 0.5).abs() < 1e-13);
@@ -293,8 +304,16 @@ fn event_functions_may_jump() {
     // Towards 30 while heating, towards 10 while not, switched at 22 and 18.
     let f = |_: f64, y: &[f64; 1], dy: &mut [f64; 1]| dy[0] = if heating.get() { 30.0 } else { 10.0 } - y[0];
     let run = solve(f, [20.0], 0.0..3.0).rtol(1e-10).atol(1e-10);
-    let run = run.change_at(Crossing::Rising, |_, y| if y[0] > 22.0 { 1.0 } else { -1.0 }, |_, _| heating.set(false));
-    let run = run.change_at(Crossing::Falling, |_, y| if y[0] > 18.0 { 1.0 } else { -1.0 }, |_, _| heating.set(true));
+    let run = run.change_at(
+        Crossing::Rising,
+        |_, y| if y[0] > 22.0 { 1.0 } else { -1.0 },
+        |_, _| heating.set(false),
+    );
+    let run = run.change_at(
+        Crossing::Falling,
+        |_, y| if y[0] > 18.0 { 1.0 } else { -1.0 },
+        |_, _| heating.set(true),
+    );
     let s = run.run().unwrap();
     // From 20 to 22: ln(10/8); from 22 to 18, and back: ln(12/8).
     let mut wanted = vec![1.25f64.ln()];

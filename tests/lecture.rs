@@ -283,8 +283,8 @@ fn runge_kutta_is_its_formula() {
     assert_eq!(s.stats.evaluations, 4 * n as u64);
 }
 
-/// 8. "Euler is easy but errs much; Verlet is simple and much better; Runge-Kutta is more work, with fine
-/// results": at the same step on the same swing.
+/// Item 8. "Euler is easy but errs much; Verlet is simple and much better; Runge-Kutta is more work, with
+/// fine results": at the same step on the same swing.
 #[test]
 fn the_order_of_merit() {
     let (h, t1) = (0.02, 5.0f64);
@@ -324,6 +324,7 @@ fn adaptive_steps_are_small_where_the_solution_varies_fast() {
     let reference = KeplerE06.reference().unwrap();
     let error = |y: &[f64; 4]| y.iter().zip(&reference).map(|(y, r)| (y - r).abs()).fold(0.0, f64::max);
     let (goal, work) = (error(&s.y), s.stats.evaluations);
-    let fixed = solve(kepler, KeplerE06.y0(), 0.0..20.0).with(Dp54).step(20.0 * 6.0 / work as f64).run().unwrap();
+    let fixed =
+        solve(kepler, KeplerE06.y0(), 0.0..20.0).with(Dp54).step(20.0 * 6.0 / work as f64).run().unwrap();
     assert!(error(&fixed.y) > 10.0 * goal, "{:e} with equal steps, {goal:e}", error(&fixed.y));
 }

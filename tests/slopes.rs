@@ -140,14 +140,14 @@ impl Known {
         let run = kutta::solve(p.f, (p.exact)(t0), t0..t0 + h * n(steps as f64)).step(h.abs());
         let run = run.with(self.method.clone());
         let run = if times.is_empty() { run.every_step() } else { run.at(times) };
-        run.run().expect(self.name())
+        run.run().unwrap_or_else(|e| panic!("{}: {e}", self.name()))
     }
 
     fn second(&self, p: &Second, (t0, h, steps): Steps, times: &[D]) -> Solution<State> {
         let run = kutta::solve_second(p.f, (p.exact)(t0), (p.slope)(t0), t0..t0 + h * n(steps as f64));
         let run = run.with(self.method.clone()).step(h.abs());
         let run = if times.is_empty() { run.every_step() } else { run.at(times) };
-        run.run().expect(self.name())
+        run.run().unwrap_or_else(|e| panic!("{}: {e}", self.name()))
     }
 }
 

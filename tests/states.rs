@@ -93,7 +93,9 @@ fn fixed_steps_give_the_same_bits_in_every_container() {
 
 #[test]
 fn adaptive_steps_agree_in_every_container() {
-    for runs in [in_every_container::<3>(|held| held.adaptive()), in_every_container::<40>(|held| held.adaptive())] {
+    for runs in
+        [in_every_container::<3>(|held| held.adaptive()), in_every_container::<40>(|held| held.adaptive())]
+    {
         for other in &runs[1..] {
             for (a, b) in runs[0].iter().flatten().zip(other.iter().flatten()) {
                 // The norm adds up in another order, so steps differ in their last digits: far below the
@@ -203,7 +205,8 @@ fn complex_numbers() {
     let turn = |_: f32, y: &[Complex<f32>; 1], dy: &mut [Complex<f32>; 1]| dy[0] = Complex::<f32>::i() * y[0];
     let s = solve(turn, [Complex::from(1f32)], 0.0..5.0).rtol(1e-6).atol(1e-6).run().unwrap();
     assert!((s.y[0] - Complex::from_polar(1.0, 5f32)).norm() < 1e-4, "{}", s.y[0]);
-    let bad = |t: f64, y: &[C; 1], dy: &mut [C; 1]| dy[0] = if t > 0.5 { C::new(0.0, f64::NAN) } else { y[0] };
+    let bad =
+        |t: f64, y: &[C; 1], dy: &mut [C; 1]| dy[0] = if t > 0.5 { C::new(0.0, f64::NAN) } else { y[0] };
     let stopped = solve(bad, [C::from(1.0)], 0.0..1.0).run().unwrap_err();
     assert!(stopped.t <= 0.5 && stopped.t > 0.5 - 1e-14, "{stopped}");
 }
@@ -247,7 +250,11 @@ fn double_doubles_have_thirty_digits() {
     };
     let run = solve(prey, [D::ONE; 2], D::ZERO..D::of(10.0)).with(Verner98Efficient).rtol(tol).atol(tol);
     let s = run.run().unwrap();
-    assert!(miss(&s.y, LotkaVolterra.reference_text()) < 1e-26, "{:e}", miss(&s.y, LotkaVolterra.reference_text()));
+    assert!(
+        miss(&s.y, LotkaVolterra.reference_text()) < 1e-26,
+        "{:e}",
+        miss(&s.y, LotkaVolterra.reference_text())
+    );
 
     let van_der_pol = |_: D, y: &[D; 2], dy: &mut [D; 2]| {
         *dy = [y[1], (D::ONE - y[0] * y[0]) * y[1] - y[0]];
@@ -273,7 +280,8 @@ fn double_doubles_between_steps() {
     // y = 1/(1 + t).
     let f = |_: D, y: &[D; 1], dy: &mut [D; 1]| dy[0] = -(y[0] * y[0]);
     let times = [D::of(0.3), D::of(1.0) / D::of(3.0), D::of(2.0)];
-    let run = solve(f, [D::ONE], D::ZERO..D::of(2.0)).with(Verner98Efficient).rtol(D::of(1e-28)).atol(D::of(1e-28));
+    let run =
+        solve(f, [D::ONE], D::ZERO..D::of(2.0)).with(Verner98Efficient).rtol(D::of(1e-28)).atol(D::of(1e-28));
     let s = run.at(&times).record(kutta::Crossing::Any, |_, y| y[0] - D::of(0.6)).run().unwrap();
     assert_eq!(s.ts, times);
     for (t, y) in s.ts.iter().zip(&s.ys) {

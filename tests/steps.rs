@@ -45,7 +45,9 @@ fn the_iterator_gives_every_step_and_ends() {
     assert_same(|| start(10.0).breaks(&[3.0, 7.0]));
     assert_same(|| start(10.0).with(Ab4).step(0.1).breaks(&[0.2, 3.0, 7.0]));
     assert_same(|| start(10.0).change_at(Crossing::Any, |_, y| y[0] - 0.5, |_, y| y[1] *= -1.0));
-    assert_same(|| start(1.0).with(Ab4).step(0.1).change_at(Crossing::Any, |t, _| t - 0.15, |_, y| y[0] = 0.0));
+    assert_same(|| {
+        start(1.0).with(Ab4).step(0.1).change_at(Crossing::Any, |t, _| t - 0.15, |_, y| y[0] = 0.0)
+    });
     assert_same(|| start(10.0).stop_at(Crossing::Falling, |_, y| y[0]));
     assert_same(|| start(10.0).at(&[0.0, 10.0]));
 }
@@ -87,7 +89,8 @@ fn the_observer_sees_every_step_and_may_end_the_run() {
         assert_eq!((*t, *y), (s.ts[i + 1], s.ys[i + 1]));
         assert!((t - h - s.ts[i]).abs() < 1e-14);
     }
-    let ends = |t: f64, late: f64| if t.abs() >= late { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let ends =
+        |t: f64, late: f64| if t.abs() >= late { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     for late in [0.05, 0.25, 0.55, 3.0] {
         let s = start(10.0).with(Ab4).step(0.1).observe(|step| ends(step.t, late)).run().unwrap();
         let steps = (late / 0.1f64).ceil();
@@ -131,7 +134,9 @@ fn evaluations_are_counted() {
     check("Hermite", run().with(CashKarp54).at(&times).run().unwrap().stats);
     check("breaks", run().with(CashKarp54).at(&times).breaks(&[2.0, 3.1]).run().unwrap().stats);
     check("events", run().with(CashKarp54).record(Crossing::Any, |_, y| y[0] - 0.3).run().unwrap().stats);
-    let flip = |run: Ivp<Y, _>| run.change_at(Crossing::Any, |_, y| y[0] - 0.3, |_, y| y[1] *= -1.0).run().unwrap().stats;
+    let flip = |run: Ivp<Y, _>| {
+        run.change_at(Crossing::Any, |_, y| y[0] - 0.3, |_, y| y[1] *= -1.0).run().unwrap().stats
+    };
     check("changes", flip(run()));
     check("fixed", run().with(Rk4).step(0.1).run().unwrap().stats);
     check("fixed, dense", run().with(Rk4).step(0.1).at(&times).run().unwrap().stats);
@@ -185,10 +190,9 @@ fn senseless_steps_are_refused() {
         assert!(matches!(&stopped.why, Why::Invalid(text) if text.contains("step")), "{bad}: {stopped}");
     }
     for bad in [0.0, -0.1, f64::NAN, f64::INFINITY] {
-        for stopped in [
-            start(1.0).max_step(bad).run().unwrap_err(),
-            start(1.0).first_step(bad).run().unwrap_err(),
-        ] {
+        for stopped in
+            [start(1.0).max_step(bad).run().unwrap_err(), start(1.0).first_step(bad).run().unwrap_err()]
+        {
             assert!(matches!(&stopped.why, Why::Invalid(text) if text.contains("step")), "{bad}: {stopped}");
         }
     }
@@ -204,7 +208,10 @@ fn senseless_steps_are_refused() {
         Controller { grow: f64::INFINITY, ..Controller::I },
     ] {
         let stopped = start(1.0).controller(bad).run().unwrap_err();
-        assert!(matches!(&stopped.why, Why::Invalid(text) if text.contains("controller")), "{bad:?}: {stopped}");
+        assert!(
+            matches!(&stopped.why, Why::Invalid(text) if text.contains("controller")),
+            "{bad:?}: {stopped}"
+        );
     }
 }
 

@@ -138,7 +138,8 @@ impl<'r> Line<'r> {
 fn tolerance(text: &str) -> Result<f64, Failure> {
     let advice = "such as 1e-6";
     let number = text.trim().parse();
-    let rtol = number.map_err(|_| Failure::Input(format!("--tolerances: {text:?} is not a number, {advice}")))?;
+    let rtol =
+        number.map_err(|_| Failure::Input(format!("--tolerances: {text:?} is not a number, {advice}")))?;
     positive("--tolerances", rtol, advice).map(|()| rtol)
 }
 
@@ -168,7 +169,8 @@ fn contestants(args: &Args) -> Result<Vec<Contestant>, Failure> {
             Some(other) if other.path == source.path => {}
             Some(other) => {
                 let (path, name) = (&source.path, &source.name);
-                let line = format!("{path}: {name} is compared already, from {}: rename the file", other.path);
+                let line =
+                    format!("{path}: {name} is compared already, from {}: rename the file", other.path);
                 return Err(Failure::Input(line));
             }
             None => {

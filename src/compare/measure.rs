@@ -73,13 +73,7 @@ impl Cell<'_> {
 }
 
 /// All settings of one method, from loose to tight.
-fn sweep<'e>(
-    problem: &str,
-    entrant: &'e dyn Entrant,
-    plan: &Plan,
-    truth: &Truth,
-    cells: &mut Vec<Cell<'e>>,
-) {
+fn sweep<'e>(problem: &str, entrant: &'e dyn Entrant, plan: &Plan, truth: &Truth, cells: &mut Vec<Cell<'e>>) {
     let chosen = if entrant.adaptive() { &plan.tolerances } else { &plan.steps };
     let mut settings: Vec<f64> = match chosen.is_empty() {
         false => chosen.clone(),

@@ -75,7 +75,10 @@ pub enum Unfit {
     /// A tolerance or a step size that is not a positive number.
     NotPositive(f64),
     /// The reference or the exact solution has another number of components than the state.
-    Length { given: usize, needed: usize },
+    Length {
+        given: usize,
+        needed: usize,
+    },
     /// No reference was given, and the tight run in its place failed.
     NoReference(String),
 }

@@ -97,7 +97,14 @@ pub(super) fn distance(y: &[f64], reference: &[f64], scale: f64) -> f64 {
 }
 
 /// The states at the times, each at the end of a run from the one before: no interpolant is trusted.
-fn tight(rhs: &mut Rhs, y0: &[f64], t0: f64, times: &[f64], rtol: f64, atol: f64) -> Result<Vec<Vec<f64>>, String> {
+fn tight(
+    rhs: &mut Rhs,
+    y0: &[f64],
+    t0: f64,
+    times: &[f64],
+    rtol: f64,
+    atol: f64,
+) -> Result<Vec<Vec<f64>>, String> {
     let start = Instant::now();
     let (mut t, mut y) = (t0, y0.to_vec());
     let mut states = vec![];

@@ -80,9 +80,12 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
                 Some(size) => size,
                 None => {
                     let span = (self.t, end);
-                    let h = first_step(&mut system, span, &self.y, slope, order, &self.rules, &mut self.stats);
+                    let h =
+                        first_step(&mut system, span, &self.y, slope, order, &self.rules, &mut self.stats);
                     // Its guesses know neither the spacing of late times nor the least step.
-                    h.modulus().maximum(self.t.ulp() * RealOf::<Y>::from_f64(16.0)).maximum(self.rules.min_step)
+                    h.modulus()
+                        .maximum(self.t.ulp() * RealOf::<Y>::from_f64(16.0))
+                        .maximum(self.rules.min_step)
                 }
             };
             let size = size.minimum((end - self.t).modulus()).minimum(self.rules.max_step);

@@ -59,9 +59,11 @@ pub(crate) fn check<M: Method, Y: State, P: Pace>(
         if let Some(text) = tolerance(&options.tolerance, y0.as_slice().len()) {
             return Some(text);
         }
-        for (what, h) in
-            [("max_step", options.max_step), ("min_step", Some(options.min_step)), ("first_step", options.step)]
-        {
+        for (what, h) in [
+            ("max_step", options.max_step),
+            ("min_step", Some(options.min_step)),
+            ("first_step", options.step),
+        ] {
             if let Some(h) = h
                 && !(h.finite() && (h > zero || what == "min_step" && h.is_zero()))
             {
@@ -74,10 +76,17 @@ pub(crate) fn check<M: Method, Y: State, P: Pace>(
             return Some(format!("min_step is {} but max_step is {max_step}", options.min_step));
         }
         if let Some(Controller { safety, shrink, grow, .. }) = options.controller
-            && !(shrink > 0.0 && shrink < 1.0 && safety > 0.0 && safety <= 1.0 && grow >= 1.0 && grow.is_finite())
+            && !(shrink > 0.0
+                && shrink < 1.0
+                && safety > 0.0
+                && safety <= 1.0
+                && grow >= 1.0
+                && grow.is_finite())
         {
             let wants = "0 < shrink < 1, 0 < safety <= 1 and 1 <= grow";
-            return Some(format!("the controller has shrink {shrink}, safety {safety}, grow {grow}: it needs {wants}"));
+            return Some(format!(
+                "the controller has shrink {shrink}, safety {safety}, grow {grow}: it needs {wants}"
+            ));
         }
     } else {
         let h = options.step.unwrap_or(zero);

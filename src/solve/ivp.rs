@@ -81,7 +81,10 @@ impl<'w, Y: State, S: System<Y>> Ivp<'w, Y, S> {
     pub fn new(system: S, y0: Y, span: Range<RealOf<Y>>) -> Self {
         let zero = RealOf::<Y>::from_f64(0.0);
         let options = Options {
-            tolerance: Tolerance::Scalar { rtol: RealOf::<Y>::from_f64(1e-6), atol: RealOf::<Y>::from_f64(1e-9) },
+            tolerance: Tolerance::Scalar {
+                rtol: RealOf::<Y>::from_f64(1e-6),
+                atol: RealOf::<Y>::from_f64(1e-9),
+            },
             step: None,
             min_step: zero,
             max_step: None,
@@ -191,7 +194,12 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Ivp<'w, Y, S, M, P> {
 
     /// The one-step method that starts a multistep one. Default: one of at least its order.
     pub fn start_with<N: Method>(mut self, starter: N) -> Self {
-        const { assert!(N::READ || N::FORM.is_some(), "this method cannot be stepped yet: its stages are implicit") };
+        const {
+            assert!(
+                N::READ || N::FORM.is_some(),
+                "this method cannot be stepped yet: its stages are implicit"
+            )
+        };
         self.options.starter = Some(Loaded::of(starter.name(), starter.form()));
         self
     }
@@ -226,20 +234,12 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Ivp<'w, Y, S, M, P> {
     ///
     /// Sign changes are looked for at eight points of each step: two roots nearer to each other, and roots
     /// where g touches zero without a change of sign, are missed.
-    pub fn record(
-        self,
-        crossing: Crossing,
-        g: impl FnMut(RealOf<Y>, &Y) -> RealOf<Y> + 'w,
-    ) -> Self {
+    pub fn record(self, crossing: Crossing, g: impl FnMut(RealOf<Y>, &Y) -> RealOf<Y> + 'w) -> Self {
         self.event(crossing, g, Then::Record)
     }
 
     /// Ends the run at the first root of `g(t, y)`.
-    pub fn stop_at(
-        self,
-        crossing: Crossing,
-        g: impl FnMut(RealOf<Y>, &Y) -> RealOf<Y> + 'w,
-    ) -> Self {
+    pub fn stop_at(self, crossing: Crossing, g: impl FnMut(RealOf<Y>, &Y) -> RealOf<Y> + 'w) -> Self {
         self.event(crossing, g, Then::Stop)
     }
 

@@ -119,13 +119,21 @@ impl fmt::Display for Why {
                 if let Some(i) = limiting {
                     write!(f, "; component {i} limits it")?;
                 }
-                f.write_str(": the solution may be singular here, the problem stiff, or the tolerance too tight")
+                f.write_str(
+                    ": the solution may be singular here, the problem stiff, or the tolerance too tight",
+                )
             }
             Why::TooManySteps { attempts } => {
-                write!(f, "{attempts} steps were attempted: raise max_steps, loosen the tolerance, or use a method for stiff problems")
+                write!(
+                    f,
+                    "{attempts} steps were attempted: raise max_steps, loosen the tolerance, or use a method for stiff problems"
+                )
             }
             Why::NonFinite { component, stage: Some(stage) } => {
-                write!(f, "the right-hand side gave a NaN or an infinity in component {component} at stage {stage}")
+                write!(
+                    f,
+                    "the right-hand side gave a NaN or an infinity in component {component} at stage {stage}"
+                )
             }
             Why::NonFinite { component, stage: None } => {
                 write!(f, "component {component} of the state is a NaN or an infinity")

@@ -134,8 +134,11 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
     } else {
         (form.s as u64, form.stage[0].copies())
     };
-    let unseen =
-        if const { Known::<M>::UNROLLED } { const { unseen_slope(Known::<M>::FORM) } } else { unseen_slope(form) };
+    let unseen = if const { Known::<M>::UNROLLED } {
+        const { unseen_slope(Known::<M>::FORM) }
+    } else {
+        unseen_slope(form)
+    };
     let mut before = h;
     let longest = rules.max_step * (RealOf::<Y>::one() + RealOf::<Y>::from_f64(16.0) * RealOf::<Y>::EPSILON);
     let watching = watch.active();
@@ -171,7 +174,9 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
         let good = attempted.is_ok()
             && if P::ADAPTIVE {
                 square = stepper.error_square::<A>(step, &rules.tolerance).to_f64();
-                if let Some(at) = unseen && !all_finite(stepper.word(at).as_slice()) {
+                if let Some(at) = unseen
+                    && !all_finite(stepper.word(at).as_slice())
+                {
                     square = f64::NAN;
                 }
                 square <= 1.0
@@ -191,7 +196,11 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
                     known = first_is_copy && lend(&stepper, |s| first_slope_is_finite(s));
                     h = step * RealOf::<Y>::from_f64(control.rejected(square));
                     // An error beyond the range of numbers is an error all the same.
-                    let flaw = if P::ADAPTIVE && square.is_finite() { None } else { lend(&stepper, |s| not_finite(s)) };
+                    let flaw = if P::ADAPTIVE && square.is_finite() {
+                        None
+                    } else {
+                        lend(&stepper, |s| not_finite(s))
+                    };
                     if let Some(why) = flaw {
                         stats.rejected.non_finite += 1;
                         why
@@ -235,7 +244,10 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
             }
         }
         stepper.accept();
-        if watching && let Some(slope) = watch.end_slope() && first_is_copy {
+        if watching
+            && let Some(slope) = watch.end_slope()
+            && first_is_copy
+        {
             let r = form_of(&stepper.method).r;
             stepper.words_mut()[r].as_mut_slice().copy_from_slice(slope.as_slice());
             known = true;
@@ -293,8 +305,8 @@ fn lend<M: Method, Y: State, T>(stepper: &Stepper<M, Y>, to: impl FnOnce(&Steppe
 #[inline(never)]
 pub(crate) fn not_finite<M: Method, Y: State>(stepper: &Stepper<M, Y>) -> Option<Why> {
     let form = stepper.form();
-    let stage = (0..form.s)
-        .find_map(|stage| Some((first_non_finite(stepper.word(form.r + stage))?, Some(stage))));
+    let stage =
+        (0..form.s).find_map(|stage| Some((first_non_finite(stepper.word(form.r + stage))?, Some(stage))));
     let (component, stage) = stage.or_else(|| Some((first_non_finite(stepper.next(0))?, None)))?;
     Some(Why::NonFinite { component, stage })
 }

@@ -49,13 +49,17 @@ pub struct Steps<'w, Y: State, S, M: Method, P> {
 impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
     pub(crate) fn new(ivp: Ivp<'w, Y, S, M, P>) -> Self {
         const {
-            assert!(M::READ || M::FORM.is_some(), "this method cannot be stepped yet: its stages are implicit");
+            assert!(
+                M::READ || M::FORM.is_some(),
+                "this method cannot be stepped yet: its stages are implicit"
+            );
             if let Some(form) = M::FORM {
                 assert!(!P::ADAPTIVE || form.errors > 0, "no error estimate: give a step with `.step(h)`");
             }
         }
         let Ivp { system, y0, v0, span, method, mut options, .. } = ivp;
-        let failed = super::check::check::<M, Y, P>(&method, &y0, v0.as_ref(), &span, &options).map(Why::Invalid);
+        let failed =
+            super::check::check::<M, Y, P>(&method, &y0, v0.as_ref(), &span, &options).map(Why::Invalid);
         let (t, end) = (span.start, span.end);
         let form = form_of(&method);
         let stops = stops(t, end, &options.breaks);
@@ -281,7 +285,8 @@ fn stops<R: Real>(start: R, end: R, breaks: &[R]) -> Vec<R> {
         let order = a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal);
         if end > start { order } else { order.reverse() }
     });
-    let apart = |a: R, b: R| (a - b).modulus() > a.modulus().maximum(b.modulus()) * R::EPSILON * R::from_f64(32.0);
+    let apart =
+        |a: R, b: R| (a - b).modulus() > a.modulus().maximum(b.modulus()) * R::EPSILON * R::from_f64(32.0);
     for b in sorted {
         if apart(b, end) && apart(b, *stops.last().unwrap_or(&start)) {
             stops.push(b);

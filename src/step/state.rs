@@ -233,7 +233,9 @@ impl<T: Scalar, const N: usize> State for [T; N] {
         if const { N <= SHORT } {
             error_square_short::<A, T, N, K>(y0, self, tolerance, scale, a, x)
         } else {
-            error_square_long::<A, T, K>(y0.as_slice(), self.as_slice(), tolerance, scale, a, |j| x(j).as_slice())
+            error_square_long::<A, T, K>(y0.as_slice(), self.as_slice(), tolerance, scale, a, |j| {
+                x(j).as_slice()
+            })
         }
     }
     #[inline(always)]
@@ -279,9 +281,13 @@ impl<T: Scalar + nalgebra::Scalar, const N: usize> State for nalgebra::SVector<T
         x: impl Fn(usize) -> &'a Self,
     ) -> RealOf<Self> {
         if const { N <= SHORT } {
-            error_square_short::<A, T, N, K>(&y0.data.0[0], &self.data.0[0], tolerance, scale, a, |j| &x(j).data.0[0])
+            error_square_short::<A, T, N, K>(&y0.data.0[0], &self.data.0[0], tolerance, scale, a, |j| {
+                &x(j).data.0[0]
+            })
         } else {
-            error_square_long::<A, T, K>(y0.as_slice(), self.as_slice(), tolerance, scale, a, |j| x(j).as_slice())
+            error_square_long::<A, T, K>(y0.as_slice(), self.as_slice(), tolerance, scale, a, |j| {
+                x(j).as_slice()
+            })
         }
     }
     #[inline(always)]

@@ -2,7 +2,9 @@
 
 use super::method::{Known, Method};
 use super::norm::Tolerance;
-use super::row::{CarryRow, ErrorRow, Read, RowAt, StageRow, assemble, error_square, form_of, powers, unroll};
+use super::row::{
+    CarryRow, ErrorRow, Read, RowAt, StageRow, assemble, error_square, form_of, powers, unroll,
+};
 use super::scalar::{Arith, Real};
 use super::state::{RealOf, State};
 use super::system::System;

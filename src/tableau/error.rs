@@ -123,7 +123,8 @@ impl TableauError {
     }
 
     pub(crate) fn not_steppable() -> Self {
-        let text = Text::new().str("its stages are implicit: it is read and proven, but cannot be stepped yet");
+        let text =
+            Text::new().str("its stages are implicit: it is read and proven, but cannot be stepped yet");
         Self::new(Broken::NotSteppable, 0, 0.0, text)
     }
 

@@ -107,19 +107,35 @@ pub struct Tableau<'t> {
 pub enum Scheme {
     RungeKutta(Array),
     /// y' = f(t, y) + g(t, y): an explicit array for f, an implicit one for g, the same stages.
-    Imex { explicit: Array, implicit: Array },
+    Imex {
+        explicit: Array,
+        implicit: Array,
+    },
     /// q' = f(p), p' = g(q): one array for each variable.
-    Partitioned { position: Array, velocity: Array },
+    Partitioned {
+        position: Array,
+        velocity: Array,
+    },
     /// (I - h gamma J) k_i = f(y + h sum alpha_ij k_j) + h J sum gamma_ij k_j, written with k_i unscaled;
     /// `gamma.a` has the diagonal, `alpha` has b and bhat.
-    Rosenbrock { alpha: Array, gamma: Array },
+    Rosenbrock {
+        alpha: Array,
+        gamma: Array,
+    },
     Multistep(Steps),
     /// sum alpha_j y_(n+j) = h^2 sum beta_j f_(n+j) for y'' = f(t, y).
     Stormer(Steps),
     /// `evaluates`: f is evaluated once more at the corrected value (PECE); else PEC.
-    PredictorCorrector { predictor: Steps, corrector: Steps, evaluates: bool },
+    PredictorCorrector {
+        predictor: Steps,
+        corrector: Steps,
+        evaluates: bool,
+    },
     /// Runge-Kutta-Nystrom for y'' = f(t, y): `b` holds the weights of y', `bbar` those of y.
-    Nystrom { array: Array, bbar: [D; STAGES] },
+    Nystrom {
+        array: Array,
+        bbar: [D; STAGES],
+    },
     Splitting(Splitting),
 }
 

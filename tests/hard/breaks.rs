@@ -21,7 +21,7 @@ fn a_declared_jump_costs_no_accuracy() {
         for at in [0.0, 0.7, 1.0 / 3.0, -0.25] {
             let tol = 1e-9;
             let run = solve(relax(at), [1.0], -1.0..2.0).with(method.clone()).rtol(tol).atol(tol);
-            let s = run.breaks(&[at]).run().expect(method.name());
+            let s = run.breaks(&[at]).run().unwrap_or_else(|e| panic!("{}: {e}", method.name()));
             let error = (s.y[0] - relaxed(at, -1.0, 2.0)).abs();
             // Errors of tol a step in each of two smooth parts, which decay.
             assert!(error < 5.0 * tol, "{}, {at}: {error:e}", method.name());

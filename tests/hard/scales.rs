@@ -12,7 +12,7 @@ fn units_of_y_do_not_matter() {
         let run = |unit: f64| {
             let f = |t: f64, y: &[f64; 2], dy: &mut [f64; 2]| *dy = [y[1], -y[0] + 0.1 * unit * t.cos()];
             let run = solve(f, [unit, 0.5 * unit], 0.0..5.0).with(method.clone());
-            run.rtol(1e-7).atol(1e-9 * unit).run().expect(method.name())
+            run.rtol(1e-7).atol(1e-9 * unit).run().unwrap_or_else(|e| panic!("{}: {e}", method.name()))
         };
         let one = run(1.0);
         for exponent in [-900, -660, 660, 900] {
@@ -30,7 +30,11 @@ fn components_of_every_size_have_their_own_tolerance() {
     let y0 = [1e200, 1e-200, 1.0, 1e-9];
     for method in PAIRS.iter() {
         let each = y0.map(|y| (1e-8, y * 1e-8)).to_vec();
-        let s = solve(f, y0, 0.0..1.0).with(method.clone()).tolerances(each).run().expect(method.name());
+        let s = solve(f, y0, 0.0..1.0)
+            .with(method.clone())
+            .tolerances(each)
+            .run()
+            .unwrap_or_else(|e| panic!("{}: {e}", method.name()));
         for (i, rate) in [-1f64, -2.0, -3.0, 1.0].into_iter().enumerate() {
             let relative = (s.y[i] / y0[i] / rate.exp() - 1.0).abs();
             // Ten or so local errors of at most twice 1e-8 of the larger y, e^3 of the smallest at the end.
@@ -52,7 +56,7 @@ fn a_zero_state_needs_no_absolute_tolerance() {
         // Zero and stays zero, beside a component that moves; in a span so long that steps grow large.
         let f = |_: f64, y: &[f64; 3], dy: &mut [f64; 3]| *dy = [0.0, y[1], -0.01 * y[2]];
         let run = solve(f, [0.0, 0.0, 1.0], 0.0..1e4).with(method.clone()).rtol(1e-6).atol(0.0);
-        let s = run.run().expect(method.name());
+        let s = run.run().unwrap_or_else(|e| panic!("{}: {e}", method.name()));
         assert_eq!((s.y[0], s.y[1]), (0.0, 0.0), "{}", method.name());
         // All zero.
         let f = |_: f64, y: &[f64; 2], dy: &mut [f64; 2]| *dy = [y[1], -y[0]];
@@ -86,7 +90,10 @@ fn first_steps_of_flat_and_steep_problems() {
         for slope in [0.0, 1.0, 1e-12, 1e12, 1e100, 1e280] {
             for y0 in [0.0, 1.0, 1e6] {
                 let f = |_: f64, _: &[f64; 1], dy: &mut [f64; 1]| dy[0] = slope;
-                let s = solve(f, [y0], 0.0..2.0).with(method.clone()).run().expect(method.name());
+                let s = solve(f, [y0], 0.0..2.0)
+                    .with(method.clone())
+                    .run()
+                    .unwrap_or_else(|e| panic!("{}: {e}", method.name()));
                 let exact = y0 + 2.0 * slope;
                 assert!((s.y[0] - exact).abs() <= 1e-13 * exact.abs(), "{}, {slope}", method.name());
                 // Growing five- to tenfold a step from 1e-6, or from the y0/slope of a steep one.
@@ -97,7 +104,10 @@ fn first_steps_of_flat_and_steep_problems() {
         }
         // Fast decay, resolved: y' = -1.3e12 y over five of its times.
         let f = |_: f64, y: &[f64; 1], dy: &mut [f64; 1]| dy[0] = -1.3e12 * y[0];
-        let s = solve(f, [1.0], 0.0..5e-12 / 1.3).with(method.clone()).run().expect(method.name());
+        let s = solve(f, [1.0], 0.0..5e-12 / 1.3)
+            .with(method.clone())
+            .run()
+            .unwrap_or_else(|e| panic!("{}: {e}", method.name()));
         assert!((s.y[0] - (-5f64).exp()).abs() < 1e-5, "{}: {}", method.name(), s.y[0]);
     }
 }
@@ -110,7 +120,7 @@ fn a_zero_error_leaves_no_mark() {
     let f = |t: f64, _: &[f64; 1], dy: &mut [f64; 1]| dy[0] = f64::max(t - 1.0, 0.0).powi(8);
     for method in PAIRS.iter() {
         let run = solve(f, [0.0], 0.0..3.0).with(method.clone()).max_step(0.125).rtol(1e-2).atol(1e-2);
-        let s = run.every_step().run().expect(method.name());
+        let s = run.every_step().run().unwrap_or_else(|e| panic!("{}: {e}", method.name()));
         let sizes: Vec<f64> = s.ts.windows(2).map(|t| t[1] - t[0]).collect();
         let settled = sizes.iter().position(|&h| h > 0.12).expect("steps grow to the largest");
         // At a tolerance of 1e-2 the start of the rise asks for no smaller steps.

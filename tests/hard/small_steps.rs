@@ -32,7 +32,7 @@ fn the_limiting_component_is_named() {
     let f = |_: f64, y: &[f64; 4], dy: &mut [f64; 4]| *dy = [-y[0], 50.0 * y[2], -50.0 * y[1], 0.1 * y[3]];
     for method in PAIRS.iter() {
         let run = solve(f, [1.0; 4], 0.0..3.0).with(method.clone()).rtol(0.0).atol(1e-6).first_step(1.0);
-        let s = run.controller(Controller::I).run().expect(method.name());
+        let s = run.controller(Controller::I).run().unwrap_or_else(|e| panic!("{}: {e}", method.name()));
         if s.stats.rejected.error > 0 {
             assert!(matches!(s.stats.limiting, Some(1 | 2)), "{}: {:?}", method.name(), s.stats);
         }
@@ -109,7 +109,13 @@ fn max_step_is_a_ceiling() {
     let f = |_: f64, y: &[f64; 1], dy: &mut [f64; 1]| dy[0] = -y[0];
     for (span, most) in [(0.0..1.0, 0.1), (0.0..-1.0, 0.03), (0.0..10.0, 1.0 / 3.0)] {
         for late in [false, true] {
-            let s = solve(f, [1.0], span.clone()).rtol(1e-2).max_step(most).late(late).every_step().run().unwrap();
+            let s = solve(f, [1.0], span.clone())
+                .rtol(1e-2)
+                .max_step(most)
+                .late(late)
+                .every_step()
+                .run()
+                .unwrap();
             let sizes = s.ts.windows(2).map(|t| (t[1] - t[0]).abs());
             // The difference of two times is rounded.
             let largest = sizes.fold(0.0, f64::max);

@@ -37,7 +37,10 @@ fn a_span_of_a_few_spacings_is_crossed() {
         for t0 in [1.0, -1.0, 1e9, 0.3] {
             for (n, forward) in [(1, true), (2, true), (5, false), (40, true)] {
                 let t1 = (0..n).fold(t0, |t: f64, _| if forward { t.next_up() } else { t.next_down() });
-                let s = solve(decay, [1.0], t0..t1).with(method.clone()).run().expect(method.name());
+                let s = solve(decay, [1.0], t0..t1)
+                    .with(method.clone())
+                    .run()
+                    .unwrap_or_else(|e| panic!("{}: {e}", method.name()));
                 assert_eq!(s.t, t1);
                 assert!((s.y[0] - (t0 - t1).exp()).abs() < 1e-15, "{}", method.name());
             }
@@ -56,7 +59,7 @@ fn units_of_time_do_not_matter() {
             };
             // Hairer's rule for the first step knows units, the loop must not.
             let run = solve(f, [1.0, 0.5], 0.0..5.0 * unit).with(method.clone()).rtol(1e-7);
-            run.first_step(0.01 * unit).run().expect(method.name())
+            run.first_step(0.01 * unit).run().unwrap_or_else(|e| panic!("{}: {e}", method.name()))
         };
         let one = run(1.0);
         assert!(one.stats.accepted > 5);
@@ -87,7 +90,7 @@ fn backwards_is_as_good_as_forwards() {
     for method in PAIRS.iter() {
         let errors = [9.0, 1.0].map(|t1| {
             let run = solve(f, exact(5.0), 5.0..t1).with(method.clone()).rtol(1e-3).atol(1e-6).every_step();
-            let s = run.run().expect(method.name());
+            let s = run.run().unwrap_or_else(|e| panic!("{}: {e}", method.name()));
             assert_eq!((s.t, s.ts[0], s.ts.last()), (t1, 5.0, Some(&t1)));
             assert!(s.ts.is_sorted() == (t1 > 5.0) && s.ts.is_sorted_by(|a, b| a > b) == (t1 < 5.0));
             let ratio = |(y, e): (&f64, f64)| (y - e).abs() / (1e-6 + 1e-3 * e.abs());

@@ -186,7 +186,7 @@ fn finish<P: Problem, Y: State<Scalar = f64> + 'static, S: System<Y> + Clone + '
     if !contest.tolerances.is_empty() {
         comparison = comparison.tolerances(&contest.tolerances);
     }
-    let (budget, longest) = (Duration::from_secs(2), Duration::from_millis(250));
+    let (budget, longest) = (Duration::from_secs(2), Duration::from_millis(150));
     comparison.scale(problem.scale()).budget(budget).longest(longest).progress(progress).run()
 }
 

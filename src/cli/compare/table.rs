@@ -17,7 +17,10 @@ pub fn of(contest: &Contest, rows: &[Row], reference: &Reference) -> String {
         text += "all methods interpreted: times compare with each other, not with compiled ones\n";
     }
     let mut table = Table::new();
-    table.load_preset(presets::UTF8_HORIZONTAL_ONLY).remove_style(TableComponent::HorizontalLines);
+    table.load_preset(presets::UTF8_HORIZONTAL_ONLY);
+    for between_rows in [TableComponent::HorizontalLines, TableComponent::MiddleIntersections] {
+        table.remove_style(between_rows);
+    }
     table.set_header(["error", "fastest", "time", "evaluations", "then"]);
     for error in ERRORS {
         let ranking = ranking_at(rows, problem.name, error);
