@@ -98,18 +98,18 @@ fn failures_are_rows() {
 #[test]
 fn slow_runs_are_given_up() {
     let slow = |_t: f64, y: &[f64; 1], dy: &mut [f64; 1]| {
-        std::thread::sleep(Duration::from_micros(200));
+        std::thread::sleep(Duration::from_micros(50));
         dy[0] = -y[0];
     };
     let comparison = Comparison::new("slow", slow, [1.0], 0.0..10.0).exact(|t: f64| [(-t).exp()]);
-    let comparison = comparison.budget(BRIEF).longest(Duration::from_millis(30));
-    let outcome = comparison.method(Dp54).fixed(Rk4).tolerances(&[1e-1, 1e-9, 1e-10]).run().unwrap();
+    let comparison = comparison.budget(BRIEF).longest(Duration::from_millis(60));
+    let outcome = comparison.method(Dp54).fixed(Rk4).tolerances(&[1e-1, 1e-13, 1e-14]).run().unwrap();
     let dp54 = of(&outcome, "dp54");
     assert_eq!(dp54[0].failure, None, "{:?}", dp54[0]);
-    assert!(dp54[1].failure.as_ref().unwrap().contains("longer than 0.03 s"), "{:?}", dp54[1]);
+    assert!(dp54[1].failure.as_ref().unwrap().contains("longer than 0.06 s"), "{:?}", dp54[1]);
     assert!(dp54[2].failure.as_ref().unwrap().contains("not run"), "{:?}", dp54[2]);
     let rk4 = of(&outcome, "rk4");
-    assert!(rk4.last().unwrap().failure.is_some() && rk4.len() < 5, "a sweep ends where it gets slow");
+    assert!(rk4.last().unwrap().failure.is_some() && rk4.len() < 8, "a sweep ends where it gets slow");
 }
 
 #[test]
@@ -242,4 +242,136 @@ fn the_fastest_is_read_off_the_rows() {
     assert_eq!(fastest_at(&rows, "p", 1e-3).unwrap().method, "a");
     assert_eq!(fastest_at(&rows, "p", 1e-9), None);
     assert_eq!(fastest_at(&rows, "nothing", 1e-3), None);
+}
+
+#[cfg(feature = "cli")]
+mod command {
+    use serde_json::Value;
+    use std::path::{Path, PathBuf};
+    use std::process::{Command, Output};
+
+    /// A folder of this test alone, gone when it ends.
+    struct Scratch(PathBuf);
+
+    impl Scratch {
+        fn new(name: &str) -> Self {
+            let path = std::env::temp_dir().join(format!("kutta-compare-{}-{name}", std::process::id()));
+            std::fs::create_dir_all(&path).unwrap();
+            Self(path)
+        }
+        fn file(&self, name: &str, text: &str) -> String {
+            let path = self.0.join(name);
+            std::fs::write(&path, text).unwrap();
+            path.to_str().unwrap().to_string()
+        }
+    }
+
+    impl Drop for Scratch {
+        fn drop(&mut self) {
+            let _ = std::fs::remove_dir_all(&self.0);
+        }
+    }
+
+    fn compare(out: &Path, args: &str) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_kutta"));
+        command.arg("compare").arg("--out").arg(out).args(args.split_whitespace()).output().unwrap()
+    }
+
+    fn text(bytes: &[u8]) -> &str {
+        std::str::from_utf8(bytes).unwrap()
+    }
+
+    const KEYS: [&str; 11] = [
+        "problem",
+        "method",
+        "tolerance",
+        "error",
+        "max_error",
+        "seconds_min",
+        "seconds_median",
+        "evaluations",
+        "accepted",
+        "rejected",
+        "failure",
+    ];
+
+    #[test]
+    fn it_writes_plots_and_rows_and_names_the_fastest() {
+        let scratch = Scratch::new("writes");
+        let out = scratch.0.join("new").join("folder");
+        let ran = compare(&out, "--problem rigid-body --methods dp54,rk4 --tolerances 1e-2,1e-4,1e-6");
+        assert!(ran.status.success() && ran.stderr.is_empty(), "{}", text(&ran.stderr));
+        let table = text(&ran.stdout);
+        assert!(table.contains("rigid-body") && table.contains("1e-12") && table.contains("dp54"), "{table}");
+        assert!(!table.contains("interpreted"), "both are compiled: {table}");
+        let mut files: Vec<_> = std::fs::read_dir(&out).unwrap().map(|f| f.unwrap().file_name()).collect();
+        files.sort();
+        assert_eq!(files, ["compare.json", "rigid-body.png", "rigid-body.svg"], "nothing else is left");
+        assert!(std::fs::read(out.join("rigid-body.png")).unwrap().starts_with(b"\x89PNG"));
+        let svg = std::fs::read_to_string(out.join("rigid-body.svg")).unwrap();
+        assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>") && svg.contains("dp54"));
+        let rows: Value = serde_json::from_slice(&std::fs::read(out.join("compare.json")).unwrap()).unwrap();
+        for row in rows.as_array().unwrap() {
+            let mut keys: Vec<_> = row.as_object().unwrap().keys().map(String::as_str).collect();
+            let mut wanted = KEYS.to_vec();
+            keys.sort_unstable();
+            wanted.sort_unstable();
+            assert_eq!(keys, wanted);
+        }
+    }
+
+    #[test]
+    fn a_table_of_ones_own_joins() {
+        let scratch = Scratch::new("joins");
+        let mine = scratch.file("mine.toml", include_str!("../tableaus/explicit/rk4.toml"));
+        let args = format!("--problem rigid-body,kepler-e06 --methods rk4,verlet --table {mine}");
+        let ran = compare(&scratch.0, &args);
+        assert!(ran.status.success(), "{}", text(&ran.stderr));
+        let table = text(&ran.stdout);
+        assert!(table.contains("interpreted") && table.contains("mine"), "{table}");
+        assert!(table.contains("f(t, y) only: verlet"), "{table}");
+        let rows: Value =
+            serde_json::from_slice(&std::fs::read(scratch.0.join("compare.json")).unwrap()).unwrap();
+        let errors = |problem: &str, method: &str| -> Vec<f64> {
+            let rows = rows.as_array().unwrap().iter();
+            let of = rows.filter(|row| row["problem"] == problem && row["method"] == method);
+            of.filter_map(|row| row["error"].as_f64()).take(8).collect()
+        };
+        assert_eq!(errors("rigid-body", "mine"), errors("rigid-body", "rk4"));
+        assert!(errors("rigid-body", "mine").len() == 8 && errors("rigid-body", "verlet").is_empty());
+        assert!(!errors("kepler-e06", "verlet").is_empty());
+    }
+
+    #[test]
+    fn bad_input_gets_one_line_and_writes_nothing() {
+        let scratch = Scratch::new("refuses");
+        let wrong = scratch.file("wrong.toml", "order = 1\n");
+        let same = scratch.file("dp54.toml", include_str!("../tableaus/explicit/dp54.toml"));
+        let file = scratch.file("file", "");
+        let out = scratch.0.join("out");
+        let refused = [
+            ("--problem lorenz".to_string(), "there is no problem"),
+            ("--methods rk5".to_string(), "there is no method"),
+            ("--methods gauss2".to_string(), "cannot be stepped yet"),
+            ("--problem lorenz63 --methods verlet".to_string(), "choose a problem of that kind"),
+            ("--tolerances 0".to_string(), "must be a positive number"),
+            ("--tolerances 1e-3,-1e-6".to_string(), "must be a positive number"),
+            ("--tolerances NaN".to_string(), "must be a positive number"),
+            ("--tolerances tight".to_string(), "not a number"),
+            (format!("--table {wrong}"), "wrong.toml"),
+            (format!("--table {same}"), "rename the file"),
+            ("--table nowhere.toml".to_string(), "nowhere.toml"),
+        ];
+        let check = |out: &Path, args: &str, what: &str| {
+            let ran = compare(out, args);
+            assert_eq!(ran.status.code(), Some(2), "{args}: {}", text(&ran.stderr));
+            let line = text(&ran.stderr).strip_suffix('\n').unwrap();
+            assert!(line.contains(what) && !line.contains('\n') && ran.stdout.is_empty(), "{args}: {line}");
+        };
+        for (args, what) in refused {
+            check(&out, &args, what);
+            assert!(!out.exists(), "{args} made the folder");
+        }
+        check(&Path::new(&file).join("out"), "", "choose a folder with --out");
+    }
 }

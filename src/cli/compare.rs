@@ -159,12 +159,15 @@ fn chosen_problems(names: &[String]) -> Result<Vec<problems::Entry>, Failure> {
 fn contestants(args: &Args) -> Result<Vec<Contestant>, Failure> {
     let default = contest::default_methods();
     let names = if args.methods.is_empty() { &default } else { &args.methods };
-    let mut sources = names.iter().map(|name| Source::find(name)).collect::<Result<Vec<_>, _>>()?;
+    let mut sources = vec![];
+    for name in names {
+        sources.push((Source::find(name)?, !args.methods.is_empty()));
+    }
     for path in &args.tables {
-        sources.push(Source::file(&path.to_string_lossy())?);
+        sources.push((Source::file(&path.to_string_lossy())?, true));
     }
     let mut chosen: Vec<Contestant> = vec![];
-    for source in sources {
+    for (source, named) in sources {
         match chosen.iter().find(|other| other.name == source.name) {
             Some(other) if other.path == source.path => {}
             Some(other) => {
@@ -174,7 +177,7 @@ fn contestants(args: &Args) -> Result<Vec<Contestant>, Failure> {
                 return Err(Failure::Input(line));
             }
             None => {
-                let method = Contestant::new(&source);
+                let method = Contestant::new(&source, named);
                 chosen.push(method.map_err(|error| Failure::Input(source.message(&error)))?);
             }
         }

@@ -8,7 +8,7 @@ use super::{Plan, Row};
 const SAMPLE: f64 = 100e-6;
 /// Samples of each cell: at least, whatever it costs, and at most.
 const SAMPLES: (u32, u32) = (3, 25);
-/// Fixed steps in the coarsest and in the finest run of a sweep that was not chosen by hand.
+/// Powers of two: the numbers of steps in the first and the last run of a search for the best step.
 const COUNTS: (u32, u32) = (4, 26);
 /// An error below this may be one of rounding; above, a method that stops gaining is only unlucky.
 const ROUNDING: f64 = 1e-8;
@@ -16,10 +16,12 @@ const ROUNDING: f64 = 1e-8;
 struct Cell<'e> {
     entrant: &'e dyn Entrant,
     row: Row,
-    /// Runs in a sample.
+    /// The time of the trial's plain run.
+    once: f64,
+    /// Runs in a sample, and the number of samples.
     runs: u32,
-    samples: Vec<f64>,
     quota: u32,
+    samples: Vec<f64>,
 }
 
 pub(super) fn measure<'w>(
@@ -37,12 +39,9 @@ pub(super) fn measure<'w>(
     let share = plan.budget.as_secs_f64() / cells.len() as f64;
     let mut rounds = 0;
     for cell in cells.iter_mut().filter(|cell| cell.row.failure.is_none()) {
-        let once = cell.samples[0];
-        cell.runs = (SAMPLE / once).ceil().clamp(1.0, 1e6) as u32;
-        let affordable = share / (once * f64::from(cell.runs));
+        cell.runs = (SAMPLE / cell.once).ceil().clamp(1.0, 1e6) as u32;
+        let affordable = share / (cell.once * f64::from(cell.runs));
         cell.quota = (affordable as u32).clamp(SAMPLES.0, SAMPLES.1);
-        // The first run was cold, and with the clock alone.
-        cell.samples.clear();
         rounds = rounds.max(cell.quota);
     }
     for round in 0..rounds {
@@ -74,10 +73,11 @@ impl Cell<'_> {
 
 /// All settings of one method, from loose to tight.
 fn sweep<'e>(problem: &str, entrant: &'e dyn Entrant, plan: &Plan, truth: &Truth, cells: &mut Vec<Cell<'e>>) {
-    let chosen = if entrant.adaptive() { &plan.tolerances } else { &plan.steps };
-    let mut settings: Vec<f64> = match chosen.is_empty() {
-        false => chosen.clone(),
-        true => (COUNTS.0..=COUNTS.1).map(|k| entrant.span().abs() / f64::from(1 << k)).collect(),
+    let search = !entrant.adaptive() && plan.steps.is_empty();
+    let mut settings: Vec<f64> = match entrant.adaptive() {
+        _ if search => (COUNTS.0..=COUNTS.1).map(|k| entrant.span().abs() / f64::from(1 << k)).collect(),
+        true => plan.tolerances.clone(),
+        false => plan.steps.clone(),
     };
     settings.sort_by(|a, b| b.total_cmp(a));
     let (mut slow, mut best, mut without_gain) = (None, f64::INFINITY, 0);
@@ -95,7 +95,7 @@ fn sweep<'e>(problem: &str, entrant: &'e dyn Entrant, plan: &Plan, truth: &Truth
             rejected: 0,
             failure: None,
         };
-        let mut samples = vec![];
+        let mut once = 0.0;
         if let Some(looser) = slow {
             row.failure = Some(format!("not run: took too long at {looser:.1e} already"));
         } else {
@@ -111,7 +111,7 @@ fn sweep<'e>(problem: &str, entrant: &'e dyn Entrant, plan: &Plan, truth: &Truth
                     let far = pairs.map(|(y, r)| distance(y, r, plan.scale));
                     row.max_error = far.reduce(f64::max).map(|far| far.max(error));
                     row.error = Some(error);
-                    samples.push(trial.seconds);
+                    once = trial.seconds;
                     without_gain = if error < best { 0 } else { without_gain + 1 };
                     best = best.min(error);
                 }
@@ -120,8 +120,8 @@ fn sweep<'e>(problem: &str, entrant: &'e dyn Entrant, plan: &Plan, truth: &Truth
                 slow = Some(setting);
             }
         }
-        cells.push(Cell { entrant, row, runs: 1, samples, quota: 0 });
-        if chosen.is_empty() && (slow.is_some() || without_gain > 1 && best < ROUNDING) {
+        cells.push(Cell { entrant, row, once, runs: 1, quota: 0, samples: vec![] });
+        if search && (slow.is_some() || without_gain > 1 && best < ROUNDING) {
             break;
         }
     }

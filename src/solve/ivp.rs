@@ -178,7 +178,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Ivp<'w, Y, S, M, P> {
         self
     }
 
-    /// Default: [`Controller::default_of`] the method's order.
+    /// How the next step follows from the errors of the last ones. Default: [`Controller::PI`].
     pub fn controller(mut self, controller: Controller) -> Self {
         self.options.controller = Some(controller);
         self

@@ -92,7 +92,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             point: y0.clone(),
             second_order: form.d == 2,
         };
-        let controller = options.controller.unwrap_or(Controller::default_of(form.order));
+        let controller = options.controller.unwrap_or_default();
         let stats = Stats::default();
         let h = RealOf::<Y>::zero();
         let mut run = Self {

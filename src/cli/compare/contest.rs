@@ -20,11 +20,13 @@ pub struct Contestant {
     pub adaptive: bool,
     /// It is for y'' = f(t, y).
     second_order: bool,
+    /// It was asked for, not taken by default.
+    named: bool,
     loaded: Loaded,
 }
 
 impl Contestant {
-    pub fn new(source: &Source) -> Result<Self, TableauError> {
+    pub fn new(source: &Source, named: bool) -> Result<Self, TableauError> {
         let tableau = source.tableau()?;
         Ok(Self {
             name: source.name.clone(),
@@ -32,6 +34,7 @@ impl Contestant {
             shipped: source.proven,
             adaptive: tableau.embedded[0] > 0,
             second_order: tableau.second_order(),
+            named,
             loaded: Loaded::parse(&source.name, &source.text)?,
         })
     }
@@ -40,8 +43,11 @@ impl Contestant {
 pub struct Contest {
     pub problem: problems::Entry,
     pub methods: Vec<Contestant>,
-    /// Compiled with the problem; otherwise all methods are interpreted, so that times compare.
-    pub compiled: bool,
+    /// Methods that were asked for but are not for this kind of problem.
+    pub unfit: Vec<String>,
+    /// Methods that are not compiled with the problem. If there is one, all are interpreted, so that times
+    /// compare.
+    pub not_compiled: Vec<String>,
     tolerances: Vec<f64>,
 }
 
@@ -122,16 +128,17 @@ fn name_of<P: Problem>(_: &P) -> &'static str {
 
 impl Contest {
     pub fn new(problem: problems::Entry, chosen: &[Contestant], tolerances: &[f64]) -> Self {
-        let methods: Vec<_> =
-            chosen.iter().filter(|method| problem.second_order || !method.second_order).cloned().collect();
+        let (methods, others): (Vec<_>, Vec<_>) =
+            chosen.iter().cloned().partition(|method| problem.second_order || !method.second_order);
+        let unfit = others.into_iter().filter(|method| method.named).map(|method| method.name).collect();
         let matrix = default_methods();
-        let compiled = is_compiled(problem.name)
-            && methods.iter().all(|method| method.shipped && matrix.contains(&method.name));
-        Self { problem, methods, compiled, tolerances: tolerances.to_vec() }
+        let compiled = |m: &&Contestant| is_compiled(problem.name) && m.shipped && matrix.contains(&m.name);
+        let not_compiled = methods.iter().filter(|m| !compiled(m)).map(|m| m.name.clone()).collect();
+        Self { problem, methods, unfit, not_compiled, tolerances: tolerances.to_vec() }
     }
 
     pub fn run(&self, progress: impl FnMut(f64) + 'static) -> Result<Outcome, Unfit> {
-        if self.compiled {
+        if self.not_compiled.is_empty() {
             return run_compiled(self, progress);
         }
         let mut find = Find { contest: self, progress: Some(progress), outcome: None };

@@ -13,8 +13,16 @@ pub fn of(contest: &Contest, rows: &[Row], reference: &Reference) -> String {
     if let Reference::Run { method, rtol, spread } = reference {
         text += &format!("errors against {method} at rtol {rtol:e}, itself good to about {spread:.0e}\n");
     }
-    if !contest.compiled {
-        text += "all methods interpreted: times compare with each other, not with compiled ones\n";
+    if !contest.unfit.is_empty() {
+        text += &format!("left out, being for y'' = f(t, y) only: {}\n", contest.unfit.join(", "));
+    }
+    if !contest.not_compiled.is_empty() {
+        let which = match contest.not_compiled.len() == contest.methods.len() {
+            true => "no method is".to_string(),
+            false => format!("not all methods are (not {})", contest.not_compiled.join(", ")),
+        };
+        text += &format!("{which} compiled with this problem, so all are interpreted: ");
+        text += "their times compare with each other only\n";
     }
     let mut table = Table::new();
     table.load_preset(presets::UTF8_HORIZONTAL_ONLY);
