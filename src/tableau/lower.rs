@@ -51,23 +51,7 @@ pub(super) const fn misfit(t: &Tableau) -> Option<&'static str> {
 }
 
 /// One stage, y carried.
-pub(super) const BLANK: Form = Form {
-    d: 1,
-    r: 1,
-    s: 1,
-    means: [Meaning::Y(0); CARRIED],
-    c: [D::ZERO; STAGES],
-    stage: [Row::EMPTY; STAGES],
-    carry: [Row::EMPTY; CARRIED],
-    errors: 0,
-    error: [Row::EMPTY; 2],
-    order: 0,
-    embedded: [0; 2],
-    dense_order: 0,
-    powers: 0,
-    dense: [Row::EMPTY; POWERS],
-    extra: 0,
-};
+pub(super) const BLANK: Form = Form { r: 1, s: 1, ..Form::EMPTY };
 
 /// Moves the term of the row's own F, source `own`, to the diagonal.
 pub(super) const fn with_diagonal(row: Row, own: usize) -> Row {
