@@ -142,6 +142,8 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
     let mut before = h;
     let longest = rules.max_step * (RealOf::<Y>::one() + RealOf::<Y>::from_f64(16.0) * RealOf::<Y>::EPSILON);
     let watching = watch.active();
+    // The stage that was refused when the step was last cut, until the step grows again.
+    let mut edge = None;
     let ended = loop {
         if P::ADAPTIVE && stats.accepted + stats.rejected.total() >= rules.max_steps {
             break Ended::Failed(Why::TooManySteps { attempts: rules.max_steps });
@@ -155,7 +157,10 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
                 (left, end, true)
             } else {
                 if too_small(h, t, rules.min_step) {
-                    break Ended::Failed(Why::StepTooSmall { limiting: stats.limiting });
+                    break Ended::Failed(match edge {
+                        Some(stage) => Why::OutOfDomain { stage },
+                        None => Why::StepTooSmall { limiting: stats.limiting },
+                    });
                 }
                 (h, t + (h + lost), false)
             }
@@ -190,9 +195,11 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
                     stats.evaluations -= stages - 1 - refused.stage as u64;
                     known = refused.stage > 0 && first_is_copy;
                     h = step * RealOf::<Y>::from_f64(control.refused());
+                    edge = Some(refused.stage);
                     Why::OutOfDomain { stage: refused.stage }
                 }
                 Ok(()) => {
+                    edge = None;
                     known = first_is_copy && lend(&stepper, |s| first_slope_is_finite(s));
                     h = step * RealOf::<Y>::from_f64(control.rejected(square));
                     // An error beyond the range of numbers is an error all the same.
@@ -260,6 +267,9 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
             // A step cut short by the end says nothing about the size that was wanted.
             let next_step = if lands && next_step.modulus() < h.modulus() { h } else { next_step };
             let fresh = next_step.minimum(rules.max_step).maximum(-rules.max_step);
+            if fresh.modulus() > step.modulus() {
+                edge = None;
+            }
             h = if rules.late { before } else { fresh };
             before = fresh;
         } else {
