@@ -36,8 +36,9 @@ impl Controller {
     pub const H211B: Self = Self::of([0.25, 0.25, 0.0], 0.25);
 }
 
-/// PI: over the catalogue it takes 3 to 5 % less time to the same error than the elementary controller and
-/// rejects half as many steps. The table sets its exponents through k.
+/// PI: with two pairs of order 8 on five problems it took 0.96 of the time of the elementary controller to the
+/// same error (geometric mean; single cases 0.78 to 1.16) and rejected at most half as many steps. The table
+/// sets its exponents through k.
 impl Default for Controller {
     fn default() -> Self {
         Self::PI
