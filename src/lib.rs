@@ -26,6 +26,7 @@
 //!   of `f64`, `f32`, complex numbers or [`tableau::DoubleDouble`].
 //! - [`problems`]: a catalogue with references to many digits.
 //! - [`compare`]: speed against error, for the catalogue and for a system of your own.
+//! - [`normals`]: normal maps from height maps, and what bump mapping needs around them.
 //!
 //! # Steps of one size, for a scene
 //!
@@ -45,6 +46,7 @@
 
 pub mod compare;
 pub mod methods;
+pub mod normals;
 pub mod problems;
 mod solve;
 mod step;

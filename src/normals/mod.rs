@@ -1,0 +1,6 @@
+//! Normal maps: a height field is a grid function, baking it is a finite-difference operator, and its
+//! [stencils](Stencil) are data, proven by the compiler like the methods.
+
+pub mod stencil;
+
+pub use stencil::{Stencil, Taps};
