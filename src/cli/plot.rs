@@ -99,11 +99,15 @@ impl Plot {
     }
 
     pub fn svg(&self, path: &Path) -> Drawn {
+        // plotters rounds to whole pixels: it draws on many, and the picture is shown smaller.
+        let fine = (SHARP * SMOOTH) as f64;
+        let (w, h) = ((fine * SIZE.0) as u32, (fine * SIZE.1) as u32);
         let mut text = String::new();
-        let size = (SIZE.0 as u32, SIZE.1 as u32);
-        let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
-        self.draw(&Pen { area: &area, scale: 1.0, sink: 0.0 })?;
+        let area = SVGBackend::with_string(&mut text, (w, h)).into_drawing_area();
+        self.draw(&Pen { area: &area, scale: fine, sink: 0.0 })?;
         drop(area);
+        let shown = format!("width=\"{}\" height=\"{}\"", SIZE.0, SIZE.1);
+        let text = text.replacen(&format!("width=\"{w}\" height=\"{h}\""), &shown, 1);
         std::fs::write(path, text).map_err(text_of)
     }
 
