@@ -56,8 +56,9 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
                 None => return Ok(None),
             }
         }
-        self.stats.evaluations += fill(&mut stepper, &mut system, self.t, &history, self.v.as_ref())
-            .map_err(|_| Why::OutOfDomain { stage: 0 })?;
+        self.stats.evaluations +=
+            fill(form, stepper.words_mut(), &mut system, self.t, &history, self.v.as_ref())
+                .map_err(|_| Why::OutOfDomain { stage: 0 })?;
 
         let mut known = false;
         if P::ADAPTIVE {
@@ -119,10 +120,12 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
         Begun { origin, h, steps, end, stop, behind }: Begun<RealOf<Y>>,
         history: &mut History<Y>,
     ) -> Result<Option<S>, Why> {
-        let mut first = Stepper::new(self.options.starter.clone().unwrap_or_else(|| starter(form)), &self.y);
+        let starter = self.options.starter.clone().unwrap_or_else(|| starter(form));
+        let mut first = Stepper::new(starter.clone(), &self.y);
         let lone = History { ys: vec![self.y.clone()], slopes: vec![] };
-        self.stats.evaluations += fill(&mut first, &mut system, self.t, &lone, self.v.as_ref())
-            .map_err(|refused| self.refused(refused.stage))?;
+        self.stats.evaluations +=
+            fill(starter.form(), first.words_mut(), &mut system, self.t, &lone, self.v.as_ref())
+                .map_err(|refused| self.refused(refused.stage))?;
         for i in 1..=behind {
             let next = if i == steps { end } else { origin + RealOf::<Y>::from_f64(i as f64) * h };
             let mut slope = self.y.clone();
@@ -134,7 +137,7 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
                 .attempt::<Plain, S>(&mut system, (self.t, next), h, false)
                 .map_err(|refused| self.refused(refused.stage))?;
             if first_non_finite(first.next(0)).is_some()
-                && let Some(why) = not_finite(&first)
+                && let Some(why) = not_finite(first.view())
             {
                 self.stats.rejected.non_finite += 1;
                 return Err(why);
@@ -142,7 +145,7 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
             let next = if i == steps { stop } else { next };
             if self.watch.active() {
                 let calls = &mut self.stats.evaluations;
-                let flow = self.watch.show(&first, &mut system, self.t, h, next, calls);
+                let flow = self.watch.show(first.view(), &mut system, self.t, h, next, calls);
                 self.watch.dense.forget();
                 match flow {
                     Flow::Go | Flow::Pause => {}
@@ -156,7 +159,7 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
                         self.system = Some(system);
                         self.land(at);
                         self.note_early();
-                        return self.guard_against_endless_events().map(|()| None);
+                        return self.watch.guard_against_endless_events().map(|()| None);
                     }
                 }
             }

@@ -4,25 +4,24 @@ use super::control::Controller;
 use super::event::Then;
 use super::ivp::Options;
 use super::outcome::first_non_finite;
-use super::run::Pace;
 use super::start::steps_behind;
 use crate::step::method::Method;
 use crate::step::norm::Tolerance;
-use crate::step::row::form_of;
-use crate::step::scalar::{Real, Scalar};
+use crate::step::scalar::{Real, Scalar, Shown};
 use crate::step::state::{RealOf, State};
+use crate::tableau::Form;
 use num_traits::Zero;
 use std::ops::Range;
 
 /// What is wrong and what to do about it, or nothing.
-pub(crate) fn check<M: Method, Y: State, P: Pace>(
-    method: &M,
+pub(crate) fn check<Y: State>(
+    (name, form): (&str, &Form),
+    adaptive: bool,
     y0: &Y,
     v0: Option<&Y>,
     span: &Range<RealOf<Y>>,
     options: &Options<Y>,
 ) -> Option<String> {
-    let (form, name) = (form_of(method), method.name());
     let zero = RealOf::<Y>::zero();
     if form.s == 0 {
         return Some(format!("{name} cannot be stepped yet: its stages are implicit"));
@@ -52,7 +51,7 @@ pub(crate) fn check<M: Method, Y: State, P: Pace>(
             return Some(format!("component {i} of {what} is a NaN or an infinity"));
         }
     }
-    if P::ADAPTIVE {
+    if adaptive {
         if form.errors == 0 {
             return Some(format!("{name} has no error estimate: give it a step with .step(h)"));
         }
@@ -67,13 +66,17 @@ pub(crate) fn check<M: Method, Y: State, P: Pace>(
             if let Some(h) = h
                 && !(h.finite() && (h > zero || what == "min_step" && h.is_zero()))
             {
-                return Some(format!("{what} is {h}: it must be positive"));
+                return Some(format!("{what} is {}: it must be positive", Shown(h)));
             }
         }
         if let Some(max_step) = options.max_step
             && max_step < options.min_step
         {
-            return Some(format!("min_step is {} but max_step is {max_step}", options.min_step));
+            return Some(format!(
+                "min_step is {} but max_step is {}",
+                Shown(options.min_step),
+                Shown(max_step)
+            ));
         }
         if let Some(Controller { safety, shrink, grow, .. }) = options.controller
             && !(shrink > 0.0
@@ -91,11 +94,14 @@ pub(crate) fn check<M: Method, Y: State, P: Pace>(
     } else {
         let h = options.step.unwrap_or(zero);
         if !(h.finite() && h > zero) {
-            return Some(format!("the step is {h}: it must be positive, also where time runs backwards"));
+            return Some(format!(
+                "the step is {}: it must be positive, also where time runs backwards",
+                Shown(h)
+            ));
         }
         let steps = ((span.end - span.start).modulus() / h).to_f64();
         if !(steps < 9e15) {
-            return Some(format!("the step {h} is too small for the span: {steps:e} steps"));
+            return Some(format!("the step {} is too small for the span: {steps:e} steps", Shown(h)));
         }
         if let Some(starter) = &options.starter
             && steps_behind(form) > 0
@@ -120,7 +126,11 @@ fn tolerance<R: Real>(tolerance: &Tolerance<R>, n: usize) -> Option<String> {
     let one = |rtol: R, atol: R| {
         let good = |x: R| x.finite() && x >= R::zero();
         if !good(rtol) || !good(atol) || (rtol.is_zero() && atol.is_zero()) {
-            return Some(format!("rtol = {rtol}, atol = {atol}: both must be at least 0, and one positive"));
+            return Some(format!(
+                "rtol = {}, atol = {}: both must be at least 0, and one positive",
+                Shown(rtol),
+                Shown(atol)
+            ));
         }
         None
     };

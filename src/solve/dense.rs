@@ -1,10 +1,9 @@
 //! Values between steps: the table's own interpolant, else Hermite interpolation of matching order.
 
 use super::outcome::{Interpolant, Why, first_non_finite};
-use crate::step::method::Method;
 use crate::step::scalar::{Real, Scalar};
 use crate::step::state::{RealOf, State};
-use crate::step::stepper::{Stepper, start_slope_at};
+use crate::step::stepper::{View, start_slope_at};
 use crate::step::system::System;
 use crate::tableau::{DoubleDouble as D, Form, Meaning, Row};
 use num_traits::{One, Zero};
@@ -80,10 +79,10 @@ impl<Y: State> Dense<Y> {
     }
 
     /// Evaluates what the interpolant needs beside the stages, once per step, and counts it.
-    pub fn prepare<M: Method, S: System<Y>>(
+    pub fn prepare(
         &mut self,
-        stepper: &Stepper<M, Y>,
-        system: &mut S,
+        view: View<Y>,
+        system: &mut dyn System<Y>,
         t: RealOf<Y>,
         h: RealOf<Y>,
         t1: RealOf<Y>,
@@ -92,7 +91,7 @@ impl<Y: State> Dense<Y> {
         if self.ready {
             return Ok(());
         }
-        let form = stepper.form();
+        let form = view.form;
         let mut ask = |t: RealOf<Y>, y: &Y, slope: &mut Y| {
             *evaluations += 1;
             system.rhs(t, y, slope).map_err(|_| Why::OutOfDomain { stage: form.s })?;
@@ -113,7 +112,7 @@ impl<Y: State> Dense<Y> {
         if self.is_own() {
             for i in 0..form.extra {
                 let row = &form.stage[form.s + i];
-                self.stage_value(form, stepper.read(), row, h);
+                self.stage_value(form, view.read(), row, h);
                 let c = RealOf::<Y>::of(form.c[form.s + i]);
                 let at = if c == RealOf::<Y>::one() { end } else { t + c * h };
                 ask(at, &self.value, &mut self.slopes[i])?;
@@ -124,15 +123,15 @@ impl<Y: State> Dense<Y> {
         if self.carried {
             self.slopes.swap(0, 1);
         } else if let Some(i) = start_slope_at(form) {
-            copy(&mut self.slopes[0], stepper.word(i));
+            copy(&mut self.slopes[0], view.word(i));
         } else {
-            ask(t, stepper.y(), &mut self.slopes[0])?;
+            ask(t, view.y(), &mut self.slopes[0])?;
         }
         self.carried = false;
-        if let Some(i) = stepper.next_slope_at() {
-            copy(&mut self.slopes[1], stepper.word(i));
+        if let Some(i) = view.next_slope_at() {
+            copy(&mut self.slopes[1], view.word(i));
         } else {
-            ask(end, stepper.next(0), &mut self.slopes[1])?;
+            ask(end, view.next(0), &mut self.slopes[1])?;
         }
         for level in 1..self.levels.len() {
             // A value of the level below is good enough at every node, so slopes may be renewed in place.
@@ -140,7 +139,7 @@ impl<Y: State> Dense<Y> {
                 let theta = RealOf::<Y>::of(D::of_integer(node).over(D::of_integer(840)));
                 let weights = self.levels[level - 1].weights(theta);
                 let slopes = &self.slopes[..level + 1];
-                hermite(&mut self.value, &weights, h, stepper.y(), stepper.next(0), slopes);
+                hermite(&mut self.value, &weights, h, view.y(), view.next(0), slopes);
                 ask(t + theta * h, &self.value, &mut self.slopes[2 + i])?;
             }
         }
@@ -149,13 +148,13 @@ impl<Y: State> Dense<Y> {
     }
 
     /// y at t + theta h, after [`prepare`](Self::prepare).
-    pub fn at<M: Method>(&self, stepper: &Stepper<M, Y>, h: RealOf<Y>, theta: RealOf<Y>, out: &mut Y) {
-        let form = stepper.form();
+    pub fn at(&self, view: View<Y>, h: RealOf<Y>, theta: RealOf<Y>, out: &mut Y) {
+        let form = view.form;
         match self.levels.last() {
-            Some(level) => hermite(out, &level.weights(theta), h, stepper.y(), stepper.next(0), &self.slopes),
+            Some(level) => hermite(out, &level.weights(theta), h, view.y(), view.next(0), &self.slopes),
             None if form.d == 2 => {
-                let (v0, v1) = self.velocities(stepper, h);
-                let (x0, x1) = (stepper.y().as_slice(), stepper.next(0).as_slice());
+                let (v0, v1) = self.velocities(view, h);
+                let (x0, x1) = (view.y().as_slice(), view.next(0).as_slice());
                 let (a0, a1) = (self.slopes[0].as_slice(), self.slopes[1].as_slice());
                 let w = quintic(theta, h);
                 for (i, out) in out.as_mut_slice().iter_mut().enumerate() {
@@ -165,8 +164,8 @@ impl<Y: State> Dense<Y> {
                 }
             }
             None => {
-                copy(out, stepper.y());
-                let x = stepper.read();
+                copy(out, view.y());
+                let x = view.read();
                 let source = |i: usize| if i < x.len() { &x[i] } else { &self.slopes[i - x.len()] };
                 let mut power = h;
                 // theta (row 1 + theta (row 2 + ..)) would need room for each row; the powers do not.
@@ -181,15 +180,9 @@ impl<Y: State> Dense<Y> {
     }
 
     /// y' at t + theta h of y'' = f(t, y), after [`prepare`](Self::prepare).
-    pub fn velocity_at<M: Method>(
-        &self,
-        stepper: &Stepper<M, Y>,
-        h: RealOf<Y>,
-        theta: RealOf<Y>,
-        out: &mut Y,
-    ) {
-        let (v0, v1) = self.velocities(stepper, h);
-        let (x0, x1) = (stepper.y().as_slice(), stepper.next(0).as_slice());
+    pub fn velocity_at(&self, view: View<Y>, h: RealOf<Y>, theta: RealOf<Y>, out: &mut Y) {
+        let (v0, v1) = self.velocities(view, h);
+        let (x0, x1) = (view.y().as_slice(), view.next(0).as_slice());
         let (a0, a1) = (self.slopes[0].as_slice(), self.slopes[1].as_slice());
         let w = quintic_slope(theta, h);
         for (i, out) in out.as_mut_slice().iter_mut().enumerate() {
@@ -199,23 +192,23 @@ impl<Y: State> Dense<Y> {
     }
 
     /// y' at the end of the step.
-    pub fn end_velocity<M: Method, S: System<Y>>(
+    pub fn end_velocity(
         &mut self,
-        stepper: &Stepper<M, Y>,
-        system: &mut S,
+        view: View<Y>,
+        system: &mut dyn System<Y>,
         t: RealOf<Y>,
         h: RealOf<Y>,
         t1: RealOf<Y>,
         out: &mut Y,
         evaluations: &mut u64,
     ) -> Result<(), Why> {
-        let form = stepper.form();
+        let form = view.form;
         if let Some(j) = (0..form.r).find(|&j| form.means[j] == Meaning::V) {
-            copy(out, stepper.next(j));
+            copy(out, view.next(j));
             return Ok(());
         }
-        self.prepare(stepper, system, t, h, t1, evaluations)?;
-        let (_, end) = self.velocities(stepper, h);
+        self.prepare(view, system, t, h, t1, evaluations)?;
+        let (_, end) = self.velocities(view, h);
         out.as_mut_slice().iter_mut().enumerate().for_each(|(i, v)| *v = end(i));
         Ok(())
     }
@@ -223,22 +216,22 @@ impl<Y: State> Dense<Y> {
     /// Velocities at both ends: carried, or of second order from the positions, as in Störmer–Verlet:
     /// `(x1 - x0)/h -+ h/2 a`.
     #[allow(clippy::type_complexity)] // two closures over the same step
-    fn velocities<'s, M: Method>(
+    fn velocities<'s>(
         &'s self,
-        stepper: &'s Stepper<M, Y>,
+        view: View<'s, Y>,
         h: RealOf<Y>,
     ) -> (impl Fn(usize) -> Y::Scalar + 's, impl Fn(usize) -> Y::Scalar + 's) {
-        let form = stepper.form();
+        let form = view.form;
         let carried = (0..form.r).find(|&j| form.means[j] == Meaning::V);
         let half = h * RealOf::<Y>::from_f64(0.5);
         let per = RealOf::<Y>::one() / h;
-        let secant = move |i: usize| (stepper.next(0).as_slice()[i] - stepper.y().as_slice()[i]).scale(per);
+        let secant = move |i: usize| (view.next(0).as_slice()[i] - view.y().as_slice()[i]).scale(per);
         let start = move |i: usize| match carried {
-            Some(j) => stepper.word(j).as_slice()[i],
+            Some(j) => view.word(j).as_slice()[i],
             None => secant(i) - self.slopes[0].as_slice()[i].scale(half),
         };
         let end = move |i: usize| match carried {
-            Some(j) => stepper.next(j).as_slice()[i],
+            Some(j) => view.next(j).as_slice()[i],
             None => secant(i) + self.slopes[1].as_slice()[i].scale(half),
         };
         (start, end)

@@ -1,6 +1,6 @@
 //! What a run gives back: a solution, or why it stopped and everything computed so far.
 
-use crate::step::scalar::Real;
+use crate::step::scalar::Shown;
 use crate::step::state::{RealOf, State};
 use std::fmt;
 
@@ -161,7 +161,7 @@ impl<Y: State> fmt::Display for Stopped<Y> {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match &self.why {
             Why::Invalid(what) => f.write_str(what),
-            why => write!(f, "stopped at t = {}, h = {}: {why}", self.t, self.h),
+            why => write!(f, "stopped at t = {}, h = {}: {why}", Shown(self.t), Shown(self.h)),
         }
     }
 }
@@ -178,10 +178,4 @@ impl<Y: State> std::error::Error for Stopped<Y> {}
 pub(crate) fn first_non_finite<Y: State>(y: &Y) -> Option<usize> {
     use crate::step::scalar::Scalar;
     y.as_slice().iter().position(|x| !x.finite())
-}
-
-impl fmt::Display for crate::tableau::DoubleDouble {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{}", self.to_f64())
-    }
 }

@@ -6,9 +6,9 @@ use super::watch::{Flow, Watch};
 use crate::step::method::{Known, Method};
 use crate::step::norm::Tolerance;
 use crate::step::row::form_of;
-use crate::step::scalar::{Arith, Fused, Plain, Real, Scalar};
+use crate::step::scalar::{Arith, Fused, Plain, Real, Rolled, Scalar};
 use crate::step::state::{RealOf, State};
-use crate::step::stepper::{Stepper, unseen_slope};
+use crate::step::stepper::{Stepper, View, unseen_slope};
 use crate::step::system::System;
 use num_traits::{One, Zero};
 use std::marker::PhantomData;
@@ -89,10 +89,11 @@ pub(crate) fn run_leg<M: Method, Y: State, S: System<Y>, P: Pace>(
     watch: &mut Watch<'_, Y>,
 ) -> (Leg<M, Y, S>, Ended) {
     #[cfg(target_arch = "x86_64")]
-    if (P::ADAPTIVE || !Y::INLINE)
-        && let Some(simd) = pulp::x86::V3::try_new()
-    {
-        return simd.vectorize(Wide::<'_, '_, M, Y, S, P> { leg, rules, watch, pace: PhantomData });
+    if P::ADAPTIVE || !Y::INLINE {
+        return match pulp::x86::V3::try_new() {
+            Some(simd) => simd.vectorize(Wide::<'_, '_, M, Y, S, P> { leg, rules, watch, pace: PhantomData }),
+            None => drive::<Rolled, P, M, Y, S>(leg, rules, watch),
+        };
     }
     drive::<Plain, P, M, Y, S>(leg, rules, watch)
 }
@@ -144,6 +145,24 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
     let watching = watch.active();
     // The stage that was refused when the step was last cut, until the step grows again.
     let mut edge = None;
+    // Steps of one size that nobody looks at: the method and nothing else. The one that fails, if one does, is
+    // judged below with the others.
+    let mut tried = None;
+    if !P::ADAPTIVE && !watching && !known {
+        let from = index;
+        while index + 1 < steps {
+            let next = origin + RealOf::<Y>::from_f64((index + 1) as f64) * h;
+            let attempted = stepper.attempt::<A, S>(&mut system, (t, next), h, false);
+            if attempted.is_err() || !all_finite(stepper.next(0).as_slice()) {
+                tried = Some(attempted);
+                break;
+            }
+            stepper.accept();
+            (t, index, last) = (next, index + 1, h);
+        }
+        stats.accepted += index - from;
+        stats.evaluations += (index - from) * stages;
+    }
     let ended = loop {
         if P::ADAPTIVE && stats.accepted + stats.rejected.total() >= rules.max_steps {
             break Ended::Failed(Why::TooManySteps { attempts: rules.max_steps });
@@ -169,7 +188,10 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
             (h, if lands { end } else { origin + RealOf::<Y>::from_f64((index + 1) as f64) * h }, lands)
         };
 
-        let attempted = stepper.attempt::<A, S>(&mut system, (t, next), step, known);
+        let attempted = match tried.take() {
+            Some(attempted) => attempted,
+            None => stepper.attempt::<A, S>(&mut system, (t, next), step, known),
+        };
         let next = if lands { stop } else { next };
         stats.evaluations += stages - u64::from(known && first_is_copy);
         // A second try finds the first slope in place; a step that failed in its first stage does not.
@@ -200,14 +222,11 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
                 }
                 Ok(()) => {
                     edge = None;
-                    known = first_is_copy && lend(&stepper, |s| first_slope_is_finite(s));
+                    known = first_is_copy && lend(&stepper, first_slope_is_finite);
                     h = step * RealOf::<Y>::from_f64(control.rejected(square));
                     // An error beyond the range of numbers is an error all the same.
-                    let flaw = if P::ADAPTIVE && square.is_finite() {
-                        None
-                    } else {
-                        lend(&stepper, |s| not_finite(s))
-                    };
+                    let flaw =
+                        if P::ADAPTIVE && square.is_finite() { None } else { lend(&stepper, not_finite) };
                     if let Some(why) = flaw {
                         stats.rejected.non_finite += 1;
                         why
@@ -301,43 +320,38 @@ fn all_finite<T: Scalar>(x: &[T]) -> bool {
 /// Shows the stepper to a function that is not inlined: a copy where it lives in registers, since an
 /// address that escapes would keep it in memory; itself where the vectors are on the heap anyway.
 #[inline(always)]
-fn lend<M: Method, Y: State, T>(stepper: &Stepper<M, Y>, to: impl FnOnce(&Stepper<M, Y>) -> T) -> T {
+fn lend<M: Method, Y: State, T>(stepper: &Stepper<M, Y>, to: impl FnOnce(View<Y>) -> T) -> T {
     if const { Y::INLINE && !M::READ } {
         let copy = stepper.clone();
-        to(&copy)
+        to(copy.view())
     } else {
-        to(stepper)
+        to(stepper.view())
     }
 }
 
 /// Names the stage and the component where the first NaN or infinity arose, if there is one.
 #[cold]
 #[inline(never)]
-pub(crate) fn not_finite<M: Method, Y: State>(stepper: &Stepper<M, Y>) -> Option<Why> {
-    let form = stepper.form();
+pub(crate) fn not_finite<Y: State>(view: View<Y>) -> Option<Why> {
+    let form = view.form;
     let stage =
-        (0..form.s).find_map(|stage| Some((first_non_finite(stepper.word(form.r + stage))?, Some(stage))));
-    let (component, stage) = stage.or_else(|| Some((first_non_finite(stepper.next(0))?, None)))?;
+        (0..form.s).find_map(|stage| Some((first_non_finite(view.word(form.r + stage))?, Some(stage))));
+    let (component, stage) = stage.or_else(|| Some((first_non_finite(view.next(0))?, None)))?;
     Some(Why::NonFinite { component, stage })
 }
 
 #[cold]
 #[inline(never)]
-fn first_slope_is_finite<M: Method, Y: State>(stepper: &Stepper<M, Y>) -> bool {
-    first_non_finite(stepper.word(stepper.form().r)).is_none()
+fn first_slope_is_finite<Y: State>(view: View<Y>) -> bool {
+    first_non_finite(view.word(view.form.r)).is_none()
 }
 
 /// Boyer and Moore's majority vote over the components that dominate rejected steps.
 #[cold]
 #[inline(never)]
-fn vote<M: Method, Y: State>(
-    mut stats: Stats,
-    stepper: &Stepper<M, Y>,
-    h: RealOf<Y>,
-    tolerance: &Tolerance<RealOf<Y>>,
-) -> Stats {
-    let form = stepper.form();
-    let (x, y0, y1) = (stepper.read(), stepper.y().as_slice(), stepper.next(0).as_slice());
+fn vote<Y: State>(mut stats: Stats, view: View<Y>, h: RealOf<Y>, tolerance: &Tolerance<RealOf<Y>>) -> Stats {
+    let form = view.form;
+    let (x, y0, y1) = (view.read(), view.y().as_slice(), view.next(0).as_slice());
     let row = &form.error[0];
     let mut worst = (0, RealOf::<Y>::zero());
     for i in 0..y0.len() {

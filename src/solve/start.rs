@@ -3,10 +3,10 @@
 use super::outcome::{Stats, first_non_finite};
 use super::run::Rules;
 use crate::methods;
-use crate::step::method::{Loaded, Method};
+use crate::step::method::Loaded;
 use crate::step::scalar::{Real, Scalar};
 use crate::step::state::{RealOf, State};
-use crate::step::stepper::{Refused, Stepper};
+use crate::step::stepper::Refused;
 use crate::step::system::System;
 use crate::tableau::{Form, Meaning};
 use num_traits::{One, Zero};
@@ -30,18 +30,18 @@ pub(crate) struct History<Y> {
 ///
 /// Every carried vector is a state, a slope or the velocity at one of these times, so this serves every
 /// method; one that carries nothing old has a history of one entry.
-pub(crate) fn fill<M: Method, Y: State, S: System<Y>>(
-    stepper: &mut Stepper<M, Y>,
-    system: &mut S,
+pub(crate) fn fill<Y: State>(
+    form: &Form,
+    words: &mut [Y],
+    system: &mut dyn System<Y>,
     t: RealOf<Y>,
     history: &History<Y>,
     v: Option<&Y>,
 ) -> Result<u64, Refused> {
-    let (r, means) = (stepper.form().r, stepper.form().means);
     let last = history.ys.len() - 1;
     let mut evaluations = 0;
-    for (j, meaning) in means.into_iter().enumerate().take(r) {
-        let z = &mut stepper.words_mut()[j];
+    for (j, meaning) in form.means.into_iter().enumerate().take(form.r) {
+        let z = &mut words[j];
         match meaning {
             Meaning::Y(k) => z.as_mut_slice().copy_from_slice(history.ys[last - k].as_slice()),
             Meaning::V => match v {
@@ -69,8 +69,8 @@ pub(crate) fn starter(form: &Form) -> Loaded {
 ///
 /// `slope` is f(t0, y0). The probe stays inside the span; where it is refused or not finite, it is tried
 /// nearer, and at last the small step is taken as it is.
-pub(crate) fn first_step<Y: State, S: System<Y>>(
-    system: &mut S,
+pub(crate) fn first_step<Y: State>(
+    system: &mut dyn System<Y>,
     (t0, t1): (RealOf<Y>, RealOf<Y>),
     y0: &Y,
     slope: &Y,

@@ -1,5 +1,6 @@
 //! A run from leg to leg: between breaks and events, with a start at each.
 
+use super::check::check;
 use super::control::Controller;
 use super::dense::Dense;
 use super::ivp::{Ivp, Options};
@@ -58,10 +59,10 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             }
         }
         let Ivp { system, y0, v0, span, method, mut options, .. } = ivp;
-        let failed =
-            super::check::check::<M, Y, P>(&method, &y0, v0.as_ref(), &span, &options).map(Why::Invalid);
-        let (t, end) = (span.start, span.end);
         let form = form_of(&method);
+        let named = (method.name(), form);
+        let failed = check(named, P::ADAPTIVE, &y0, v0.as_ref(), &span, &options).map(Why::Invalid);
+        let (t, end) = (span.start, span.end);
         let stops = stops(t, end, &options.breaks);
         let tiny = |x: RealOf<Y>| x.maximum(RealOf::<Y>::TINY);
         let tolerance = match &options.tolerance {
@@ -184,7 +185,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         if let Ended::Changed = ended {
             self.system = Some(leg.system);
             self.land(leg.t);
-            return self.guard_against_endless_events();
+            return self.watch.guard_against_endless_events();
         }
         self.y.as_mut_slice().copy_from_slice(leg.stepper.y().as_slice());
         match ended {
@@ -256,20 +257,6 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         }
         self.watch.dense.forget();
         self.done = self.watch.over;
-    }
-
-    /// A ball that comes to rest bounces without end: the times between its events shrink to nothing.
-    pub(super) fn guard_against_endless_events(&mut self) -> Result<(), Why> {
-        let occurred = &self.watch.occurrences;
-        let Some(last) = occurred.last() else { return Ok(()) };
-        let mut times = occurred.iter().rev().filter(|o| o.event == last.event).map(|o| o.t);
-        let mut gap = || Some((times.next()? - times.next()?).modulus());
-        let (Some(newest), Some(oldest)) = (gap(), times.nth(5).zip(times.next())) else { return Ok(()) };
-        let all = (last.t - oldest.1).modulus();
-        let ulps = |n: f64| last.t.ulp() * RealOf::<Y>::from_f64(n);
-        // At even times, however short against t, something is switched on and off.
-        let shrinking = newest + newest <= (oldest.0 - oldest.1).modulus() || all <= ulps(100.0);
-        if all <= ulps(1e5) && shrinking { Err(Why::TooManyEvents { event: last.event }) } else { Ok(()) }
     }
 }
 

@@ -3,9 +3,9 @@
 use super::dense::Dense;
 use super::event::{Event, Then, find_roots};
 use super::outcome::{Occurrence, Why};
-use crate::step::method::Method;
+use crate::step::scalar::{Real, Scalar};
 use crate::step::state::{RealOf, State};
-use crate::step::stepper::Stepper;
+use crate::step::stepper::View;
 use crate::step::system::System;
 use num_traits::One;
 use std::ops::ControlFlow;
@@ -78,22 +78,22 @@ impl<Y: State> Watch<'_, Y> {
     /// A step was attempted and is good. Returns what to do, and counts the evaluations of the dense output.
     #[cold]
     #[inline(never)]
-    pub fn show<M: Method, S: System<Y>>(
+    pub fn show(
         &mut self,
-        stepper: &Stepper<M, Y>,
-        system: &mut S,
+        view: View<Y>,
+        system: &mut dyn System<Y>,
         t: RealOf<Y>,
         h: RealOf<Y>,
         t1: RealOf<Y>,
         evaluations: &mut u64,
     ) -> Flow<RealOf<Y>> {
-        self.look(stepper, system, (t, t1), h, evaluations).unwrap_or_else(Flow::Retry)
+        self.look(view, system, (t, t1), h, evaluations).unwrap_or_else(Flow::Retry)
     }
 
-    fn look<M: Method, S: System<Y>>(
+    fn look(
         &mut self,
-        stepper: &Stepper<M, Y>,
-        system: &mut S,
+        view: View<Y>,
+        system: &mut dyn System<Y>,
         (t, t1): (RealOf<Y>, RealOf<Y>),
         h: RealOf<Y>,
         evaluations: &mut u64,
@@ -105,24 +105,24 @@ impl<Y: State> Watch<'_, Y> {
         // Events first: one of them may end the step early.
         let mut end = t1;
         if !self.events.is_empty() {
-            self.dense.prepare(stepper, system, t, h, t1, evaluations)?;
+            self.dense.prepare(view, system, t, h, t1, evaluations)?;
             let dense = &self.dense;
             let at = |theta: RealOf<Y>, out: &mut Y| match theta == RealOf::<Y>::one() {
-                true => out.as_mut_slice().copy_from_slice(stepper.next(0).as_slice()),
-                false => dense.at(stepper, h, theta, out),
+                true => out.as_mut_slice().copy_from_slice(view.next(0).as_slice()),
+                false => dense.at(view, h, theta, out),
             };
-            let roots = find_roots(&mut self.events, &at, stepper.y(), t, h, t1, &mut self.point);
+            let roots = find_roots(&mut self.events, &at, view.y(), t, h, t1, &mut self.point);
             for root in roots {
                 // Only roots at the very same time still count after one that ended the step.
                 if flow == Flow::Change(end) && root.t != end {
                     break;
                 }
                 let (mut y, mut v) = self.landed.take().unwrap_or_else(|| {
-                    let mut y = stepper.y().clone();
+                    let mut y = view.y().clone();
                     at(root.theta, &mut y);
                     let v = self.second_order.then(|| {
-                        let mut v = stepper.y().clone();
-                        dense.velocity_at(stepper, h, root.theta, &mut v);
+                        let mut v = view.y().clone();
+                        dense.velocity_at(view, h, root.theta, &mut v);
                         v
                     });
                     (y, v)
@@ -158,18 +158,18 @@ impl<Y: State> Watch<'_, Y> {
             let time = self.times[self.next];
             // The ends of a step are given back as they were computed, to the last bit.
             if time == t1 && end == t1 {
-                self.save_end(stepper, system, t, h, t1, evaluations)?;
+                self.save_end(view, system, t, h, t1, evaluations)?;
                 saved = true;
             } else {
-                self.dense.prepare(stepper, system, t, h, t1, evaluations)?;
+                self.dense.prepare(view, system, t, h, t1, evaluations)?;
                 let theta = (time - t) / h;
-                let mut y = stepper.y().clone();
-                self.dense.at(stepper, h, theta, &mut y);
+                let mut y = view.y().clone();
+                self.dense.at(view, h, theta, &mut y);
                 self.ts.push(time);
                 self.ys.push(y);
                 if self.second_order {
-                    let mut v = stepper.y().clone();
-                    self.dense.velocity_at(stepper, h, theta, &mut v);
+                    let mut v = view.y().clone();
+                    self.dense.velocity_at(view, h, theta, &mut v);
                     self.vs.push(v);
                 }
             }
@@ -182,13 +182,13 @@ impl<Y: State> Watch<'_, Y> {
                     self.ys.push(y.clone());
                     self.vs.extend(v.clone());
                 }
-                None => self.save_end(stepper, system, t, h, t1, evaluations)?,
+                None => self.save_end(view, system, t, h, t1, evaluations)?,
             }
         }
         if let Some(observer) = &mut self.observer {
             let y = match &self.landed {
                 Some((y, _)) => y,
-                None => stepper.next(0),
+                None => view.next(0),
             };
             let size = if end == t1 { h } else { end - t };
             if observer(&Step { t: end, h: size, y }).is_break() {
@@ -202,22 +202,36 @@ impl<Y: State> Watch<'_, Y> {
     }
 
     /// Saves the state at the end of the step, and the velocity there.
-    fn save_end<M: Method, S: System<Y>>(
+    fn save_end(
         &mut self,
-        stepper: &Stepper<M, Y>,
-        system: &mut S,
+        view: View<Y>,
+        system: &mut dyn System<Y>,
         t: RealOf<Y>,
         h: RealOf<Y>,
         t1: RealOf<Y>,
         evaluations: &mut u64,
     ) -> Result<(), Why> {
         if self.second_order {
-            let mut v = stepper.y().clone();
-            self.dense.end_velocity(stepper, system, t, h, t1, &mut v, evaluations)?;
+            let mut v = view.y().clone();
+            self.dense.end_velocity(view, system, t, h, t1, &mut v, evaluations)?;
             self.vs.push(v);
         }
         self.ts.push(t1);
-        self.ys.push(stepper.next(0).clone());
+        self.ys.push(view.next(0).clone());
         Ok(())
+    }
+
+    /// A ball that comes to rest bounces without end: the times between its events shrink to nothing.
+    pub fn guard_against_endless_events(&mut self) -> Result<(), Why> {
+        let occurred = &self.occurrences;
+        let Some(last) = occurred.last() else { return Ok(()) };
+        let mut times = occurred.iter().rev().filter(|o| o.event == last.event).map(|o| o.t);
+        let mut gap = || Some((times.next()? - times.next()?).modulus());
+        let (Some(newest), Some(oldest)) = (gap(), times.nth(5).zip(times.next())) else { return Ok(()) };
+        let all = (last.t - oldest.1).modulus();
+        let ulps = |n: f64| last.t.ulp() * RealOf::<Y>::from_f64(n);
+        // At even times, however short against t, something is switched on and off.
+        let shrinking = newest + newest <= (oldest.0 - oldest.1).modulus() || all <= ulps(100.0);
+        if all <= ulps(1e5) && shrinking { Err(Why::TooManyEvents { event: last.event }) } else { Ok(()) }
     }
 }

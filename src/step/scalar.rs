@@ -3,7 +3,7 @@
 use crate::tableau::DoubleDouble;
 use num_complex::Complex;
 use num_traits::{One, Zero};
-use std::fmt::{Debug, Display};
+use std::fmt::{self, Debug, Display, LowerExp};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A component of a state: `f64`, `f32`, [`DoubleDouble`], or a complex number of the first two.
@@ -30,6 +30,7 @@ pub trait Real:
     + PartialOrd
     + One
     + Display
+    + LowerExp
     + Mul<Output = Self>
     + Div<Output = Self>
     + Neg<Output = Self>
@@ -51,6 +52,17 @@ pub trait Real:
     }
     fn minimum(self, o: Self) -> Self {
         if self < o { self } else { o }
+    }
+}
+
+/// A number in a message: in powers of ten where it would be a row of zeros.
+pub(crate) struct Shown<R>(pub R);
+
+impl<R: Real> fmt::Display for Shown<R> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let x = self.0.to_f64();
+        let plain = x == 0.0 || !x.is_finite() || (1e-4..1e16).contains(&x.abs());
+        if plain { Display::fmt(&self.0, f) } else { LowerExp::fmt(&self.0, f) }
     }
 }
 
@@ -140,6 +152,18 @@ impl One for DoubleDouble {
     }
 }
 
+impl Display for DoubleDouble {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        Display::fmt(&self.to_f64(), f)
+    }
+}
+
+impl LowerExp for DoubleDouble {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        LowerExp::fmt(&self.to_f64(), f)
+    }
+}
+
 impl Scalar for DoubleDouble {
     type Real = Self;
     const NEG_ZERO: Self = Self::of(-0.0);
@@ -178,24 +202,40 @@ impl Real for DoubleDouble {
 pub trait Arith {
     /// One rounding for a product and a sum.
     const FUSED: bool;
+    /// The rows of a known form are spelled out, not read in a loop.
+    const UNROLLED: bool;
     fn term<T: Scalar>(a: T::Real, x: T, s: T) -> T;
 }
 
 /// A product rounded, then a sum rounded: every machine gives the same bits.
 pub struct Plain;
+/// The same bits, with rows read in a loop: for processors that cannot run the fused kind, so that not every
+/// adaptive method is compiled twice for their sake.
+pub struct Rolled;
 /// One rounding, on machines that have the instruction. Elsewhere it would call a slow routine.
 pub struct Fused;
 
 impl Arith for Plain {
     const FUSED: bool = false;
+    const UNROLLED: bool = true;
     #[inline(always)]
     fn term<T: Scalar>(a: T::Real, x: T, s: T) -> T {
         s + x.scale(a)
     }
 }
 
+impl Arith for Rolled {
+    const FUSED: bool = false;
+    const UNROLLED: bool = false;
+    #[inline(always)]
+    fn term<T: Scalar>(a: T::Real, x: T, s: T) -> T {
+        Plain::term(a, x, s)
+    }
+}
+
 impl Arith for Fused {
     const FUSED: bool = true;
+    const UNROLLED: bool = true;
     #[inline(always)]
     fn term<T: Scalar>(a: T::Real, x: T, s: T) -> T {
         T::fused(a, x, s)

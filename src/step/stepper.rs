@@ -19,6 +19,47 @@ pub struct Refused {
     pub stage: usize,
 }
 
+/// What a stepper holds, whatever its method: code off the hot path is compiled once for a state.
+pub struct View<'s, Y> {
+    pub form: &'s Form,
+    words: &'s [Y],
+}
+
+impl<Y> Clone for View<'_, Y> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<Y> Copy for View<'_, Y> {}
+
+impl<'s, Y: State> View<'s, Y> {
+    /// The carried vectors z_0 .. z_(r-1), then the slopes F_0 .. F_(s-1).
+    pub fn read(self) -> &'s [Y] {
+        &self.words[..self.form.r + self.form.s]
+    }
+
+    /// The state at the start of the step.
+    pub fn y(self) -> &'s Y {
+        &self.words[0]
+    }
+
+    pub fn word(self, i: usize) -> &'s Y {
+        &self.words[i]
+    }
+
+    /// z'_j of the step just attempted.
+    pub fn next(self, j: usize) -> &'s Y {
+        &self.words[target(self.form, j)]
+    }
+
+    /// Where the slope at the end of the step stands after an attempt, if the method computes it.
+    pub fn next_slope_at(self) -> Option<usize> {
+        let form = self.form;
+        (0..form.r).find(|&j| form.means[j] == Meaning::F(0)).map(|j| target(form, j))
+    }
+}
+
 /// The vectors of a run: z, F | Y, z'. What is read stands before what is written.
 #[derive(Clone)]
 pub struct Stepper<M: Method, Y: State> {
@@ -31,6 +72,10 @@ impl<M: Method, Y: State> Stepper<M, Y> {
     pub fn new(method: M, y: &Y) -> Self {
         let words = method.words(y);
         Self { method, words }
+    }
+
+    pub fn view(&self) -> View<'_, Y> {
+        View { form: self.form(), words: self.words.as_ref() }
     }
 
     #[inline(always)]
@@ -78,7 +123,7 @@ impl<M: Method, Y: State> Stepper<M, Y> {
         known: bool,
     ) -> Result<(), Refused> {
         let powers = powers(h);
-        if const { Known::<M>::UNROLLED } {
+        if const { Known::<M>::UNROLLED && A::UNROLLED } {
             let form = Known::<M>::FORM;
             let (x, out) = self.words.as_mut().split_at_mut(form.r + form.s);
             unroll!(Known::<M>::FORM.s, I => {
@@ -134,7 +179,7 @@ impl<M: Method, Y: State> Stepper<M, Y> {
         let x = self.read();
         let y1 = self.next(0);
         let share = RealOf::<Y>::one() / RealOf::<Y>::from_f64(y1.as_slice().len().max(1) as f64);
-        let (first, second) = if const { Known::<M>::UNROLLED } {
+        let (first, second) = if const { Known::<M>::UNROLLED && A::UNROLLED } {
             let first = error_square::<A, Y, _>(ErrorRow::<M, 0>(PhantomData), &powers, x, y1, tolerance);
             if const { Known::<M>::FORM.errors < 2 } {
                 return first * share;
@@ -154,12 +199,6 @@ impl<M: Method, Y: State> Stepper<M, Y> {
             return first;
         }
         first * share * (first / (first + RealOf::<Y>::from_f64(0.01) * second))
-    }
-
-    /// Where the slope at the end of the step stands after `attempt`, if the method computes it.
-    pub fn next_slope_at(&self) -> Option<usize> {
-        let form = self.form();
-        (0..form.r).find(|&j| form.means[j] == Meaning::F(0)).map(|j| target(form, j))
     }
 
     pub fn word(&self, i: usize) -> &Y {
@@ -276,5 +315,36 @@ fn carry<A: Arith, Y: State, R: RowAt>(row: R, j: usize, powers: &[RealOf<Y>; 3]
     let moved = if const { R::ROW.is_some() } { const { moved(R::ROW) } } else { moved(Some(row.row())) };
     if !moved {
         assemble::<A, Y, R>(&mut out[1 + j], row, powers, x);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::methods::{Dp54, Verner87Efficient};
+    use crate::step::scalar::{Plain, Rolled};
+
+    fn steps<A: Arith, M: Method>(method: M) -> (Vec<[f64; 2]>, f64) {
+        let mut pendulum = |_t: f64, y: &[f64; 2], dy: &mut [f64; 2]| *dy = [y[1], -y[0].sin()];
+        let mut stepper = Stepper::new(method, &[0.0; 2]);
+        let (mut seen, mut errors) = (vec![], 0.0);
+        stepper.words_mut()[0] = [1.0, 0.3];
+        if let Some(j) = stepper.form().means.iter().position(|&m| m == Meaning::F(0)) {
+            stepper.words_mut()[j] = [0.3, -1f64.sin()];
+        }
+        for i in 0..20 {
+            let t = 0.1 * i as f64;
+            stepper.attempt::<A, _>(&mut pendulum, (t, t + 0.1), 0.1, false).unwrap();
+            errors += stepper.error_square::<A>(0.1, &Tolerance::Scalar { rtol: 1e-6, atol: 1e-6 });
+            stepper.accept();
+            seen.push(*stepper.y());
+        }
+        (seen, errors)
+    }
+
+    #[test]
+    fn a_loop_over_the_rows_gives_the_bits_of_the_unrolled_step() {
+        assert_eq!(steps::<Plain, _>(Dp54), steps::<Rolled, _>(Dp54));
+        assert_eq!(steps::<Plain, _>(Verner87Efficient), steps::<Rolled, _>(Verner87Efficient));
     }
 }
