@@ -1,6 +1,9 @@
 //! Normal maps: a height field is a grid function, baking it is a finite-difference operator, and its
 //! [stencils](Stencil) are data, proven by the compiler like the methods.
 
+mod moments;
+mod prove;
 pub mod stencil;
+pub mod stencils;
 
-pub use stencil::{Stencil, Taps};
+pub use stencil::{Stencil, Taps, compile};
