@@ -19,7 +19,8 @@ const FARTHEST: isize = TAPS as isize - 1;
 
 /// Reads a stencil file: the stencil, and the power of h up to which its error is claimed to be isotropic.
 pub(crate) const fn stencil(text: &str) -> Result<(Stencil<'_>, usize), TableauError> {
-    let file = ok!(scan(text, "the file is empty: it needs name, order, cite and a stencil", "every stencil"));
+    let file =
+        ok!(scan(text, "the file is empty: it needs name, order, cite and a stencil", "every stencil"));
     if !file.has(Key::Stencil) {
         return Err(match named(&file) {
             Some((family, key)) => syntax(
