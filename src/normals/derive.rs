@@ -61,9 +61,11 @@ impl Stencil<'_> {
                 off.hi().abs() <= tolerance * scale
             })
         };
-        let term = |p: usize, q: usize| Term {
-            coefficient: (moments.along[p] * moments.across[q]).hi() / factorial(p) / factorial(q),
-            derivative: [p, q],
+        let term = |p: usize, q: usize| {
+            let moment = (moments.along[p] * moments.across[q]).hi();
+            // What rounding leaves of nothing is nothing.
+            let coefficient = if along(p) && across(q) { moment / factorial(p) / factorial(q) } else { 0.0 };
+            Term { coefficient, derivative: [p, q] }
         };
         let leading = (0..=order).filter(|q| along(order + 1 - q) && across(*q));
         let (right, left, smooth) = (&self.along, &self.left, &self.across);

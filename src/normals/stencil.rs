@@ -21,15 +21,15 @@ impl Taps {
     }
 
     /// Each offset with its weight.
-    pub fn iter(&self) -> impl Iterator<Item = (isize, D)> + Clone + '_ {
-        (self.first..).zip(self.weight[..self.len].iter().copied())
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = (isize, D)> + ExactSizeIterator + Clone + '_ {
+        (0..self.len).map(|j| (self.first + j as isize, self.weight[j]))
     }
 }
 
 /// A stencil for the slope along one axis, in texels: `along` takes the difference along that axis, `across`
 /// smooths along the other one, and `left`, where it has more than one tap, is the left-hand side of a compact
 /// scheme: sum left_j b'_(i+j) = sum along_j b_(i+j).
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stencil<'t> {
     pub title: &'t str,
     /// Author, year, publication.

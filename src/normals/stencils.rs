@@ -5,7 +5,7 @@ use super::Stencil;
 include!(concat!(env!("OUT_DIR"), "/stencils.rs"));
 
 /// A stencil file as it is shipped.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Entry {
     /// The file's name without its ending.
     pub name: &'static str,

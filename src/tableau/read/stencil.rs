@@ -109,7 +109,7 @@ const fn taps(file: &File, key: Key) -> Result<Taps, TableauError> {
 const fn offset(grid: &Grid, r: usize) -> Result<isize, TableauError> {
     let x = ok!(grid.before(r, "the offset"));
     let whole = x.hi() as isize;
-    if whole as f64 == x.hi() && x.lo() == 0.0 && whole.abs() <= FARTHEST {
+    if x.hi().abs() <= FARTHEST as f64 && whole as f64 == x.hi() && x.lo() == 0.0 {
         return Ok(whole);
     }
     let text = Text::new().str("an offset is a whole number of texels from -").number(FARTHEST as usize);
