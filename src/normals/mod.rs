@@ -1,6 +1,30 @@
 //! Normal maps: a height field is a grid function, baking it is a finite-difference operator, and its
 //! [stencils](Stencil) are data, proven by the compiler like the methods.
 
+mod bake;
+mod best_fit;
+mod border;
+mod error;
+mod heights;
+mod line;
+mod map;
+mod mips;
+mod missing;
+mod mix;
+mod normal;
+mod operator;
+mod polynomial;
+mod simd;
 pub mod stencil;
+mod stream;
+mod tridiagonal;
 
+pub use bake::{Bake, Green};
+pub use best_fit::pack_best_fit;
+pub use border::Border;
+pub use error::BakeError;
+pub use heights::{Height, Heights};
+pub use mips::{Level, mips};
+pub use normal::Normal;
+pub use operator::{Axis, Operator};
 pub use stencil::{Stencil, Taps};
