@@ -2,11 +2,35 @@
 //! [stencils](Stencil) are data, proven by the compiler like the methods.
 
 pub mod accuracy;
+mod bake;
+mod best_fit;
+mod border;
 mod derive;
+mod error;
+mod heights;
+mod line;
+mod map;
+mod mips;
+mod missing;
+mod mix;
 mod moments;
+mod normal;
+mod operator;
+mod polynomial;
 mod prove;
+mod simd;
 pub mod stencil;
 pub mod stencils;
+mod stream;
+mod tridiagonal;
 
+pub use bake::{Bake, Green};
+pub use best_fit::pack_best_fit;
+pub use border::Border;
 pub use derive::{Properties, Term};
+pub use error::BakeError;
+pub use heights::{Height, Heights};
+pub use mips::{Level, mips};
+pub use normal::Normal;
+pub use operator::{Axis, Operator};
 pub use stencil::{Stencil, TAPS, Taps, compile};

@@ -53,7 +53,7 @@ impl Field {
                 const S: f64 = 4.0;
                 let top = S * 0.5f64.exp();
                 Self::sampled([64, 64], |[x, y]| {
-                    let [x, y] = [x - 32.3, y - 31.9];
+                    let [x, y] = [x - 32.3, y - 31.6];
                     let height = top * (-(x * x + y * y) / (2.0 * S * S)).exp();
                     let slopes = [-x / (S * S) * height, -y / (S * S) * height];
                     (height, (x * x + y * y <= 16.0 * S * S).then_some(slopes))
@@ -62,7 +62,7 @@ impl Field {
             Surface::Dome => {
                 const R: f64 = 200.0;
                 Self::sampled([448, 448], |[x, y]| {
-                    let [x, y] = [x - 224.0, y - 224.0];
+                    let [x, y] = [x - 223.5, y - 223.5];
                     let square = x * x + y * y;
                     let height = (R * R - square).max(0.0).sqrt();
                     (height, (square <= 0.81 * R * R).then(|| [-x / height, -y / height]))
