@@ -1,9 +1,10 @@
-//! `kutta stencils`: all stencils and what is derived of them, and their accuracy.
+//! `kutta stencils`: all stencils and what is derived of them, or their accuracy.
 
+mod accuracy;
 mod draw;
 
 use super::words::{short, yes};
-use super::{Failure, Source, print, print_json};
+use super::{Failure, Source, print, print_json, unknown};
 use draw::draw;
 use kutta::normals::{Properties, Stencil, stencils};
 use kutta::tableau::{DoubleDouble, entries, value};
@@ -15,9 +16,14 @@ use std::fmt::Write;
 /// List the stencils that normal maps are baked with
 #[derive(clap::Args)]
 pub struct Args {
+    /// Only these
+    names: Vec<String>,
     /// Add a stencil file of yours; may be given more than once
     #[arg(long, value_name = "FILE")]
     stencil: Vec<String>,
+    /// Measure the normals they bake on surfaces whose normals are known
+    #[arg(long)]
+    accuracy: bool,
     /// Print JSON for scripts
     #[arg(long)]
     json: bool,
@@ -112,10 +118,22 @@ fn complex([re, im]: [f64; 2]) -> String {
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     let given: Vec<_> = args.stencil.iter().map(|path| Source::file(path)).collect::<Result<_, _>>()?;
-    let mut all: Vec<_> = stencils::all().iter().map(|entry| (entry.name, *entry.stencil)).collect();
+    let names = stencils::all().iter().map(|entry| entry.name);
+    if let Some(name) = args.names.iter().find(|name| stencils::find(name).is_none()) {
+        return Err(unknown("stencil", name, names, "`kutta stencils` shows all, and --stencil adds a file"));
+    }
+    let wanted = |name: &str| args.names.is_empty() || args.names.iter().any(|wanted| wanted == name);
+    let mut all: Vec<_> = stencils::all()
+        .iter()
+        .filter(|entry| wanted(entry.name))
+        .map(|entry| (entry.name, *entry.stencil))
+        .collect();
     for source in &given {
         let stencil = source.stencil().map_err(|error| Failure::Input(source.message(&error)))?;
         all.push((&source.name, stencil));
+    }
+    if args.accuracy {
+        return accuracy::run(&all, args.json);
     }
     let items: Vec<_> = all.iter().map(|(name, stencil)| Item::of(name, stencil)).collect();
     if args.json { print_json(&items) } else { print(&table(&items)) }
@@ -123,13 +141,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 
 fn table(items: &[Item]) -> String {
     let width = items.iter().map(|item| item.name.len()).max().unwrap_or(0);
-    let mut out = format!("{:94}k'/k for waves of\n", "");
+    let mut out = format!("{:1$}k'/k for waves of\n", "", width + 49);
     let _ = writeln!(
         out,
         "{:width$}  order  taps  e_xx      e_yy      noise gain  {:15} {:15} {:15} lives at",
         "name", "16 texels", "8", "4"
     );
-    out = out.replacen(&format!("{:94}", ""), &" ".repeat(width + 49), 1);
     for item in items {
         let waves: String = item.wavenumber.map(|k| format!("{:15} ", complex(k))).concat();
         let _ = writeln!(
