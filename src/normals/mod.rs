@@ -1,11 +1,14 @@
 //! Normal maps: a height field is a grid function, baking it is a finite-difference operator, and its
 //! [stencils](Stencil) are data, proven by the compiler like the methods.
 
+mod advice;
 mod bake;
 mod best_fit;
 mod border;
 mod error;
 mod heights;
+#[cfg(feature = "fft")]
+mod inverse;
 mod line;
 mod map;
 mod mips;
@@ -19,11 +22,14 @@ pub mod stencil;
 mod stream;
 mod tridiagonal;
 
+pub use advice::{Advice, Budget};
 pub use bake::{Bake, Green};
 pub use best_fit::pack_best_fit;
 pub use border::Border;
 pub use error::BakeError;
 pub use heights::{Height, Heights};
+#[cfg(feature = "fft")]
+pub use inverse::Integral;
 pub use mips::{Level, mips};
 pub use normal::Normal;
 pub use operator::{Axis, Operator};
