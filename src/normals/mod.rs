@@ -2,12 +2,15 @@
 //! [stencils](Stencil) are data, proven by the compiler like the methods.
 
 pub mod accuracy;
+mod advice;
 mod bake;
 mod best_fit;
 mod border;
 mod derive;
 mod error;
 mod heights;
+#[cfg(feature = "fft")]
+mod inverse;
 mod line;
 mod map;
 mod mips;
@@ -24,12 +27,15 @@ pub mod stencils;
 mod stream;
 mod tridiagonal;
 
+pub use advice::{Advice, Budget};
 pub use bake::{Bake, Green};
 pub use best_fit::pack_best_fit;
 pub use border::Border;
 pub use derive::{Properties, Term};
 pub use error::BakeError;
 pub use heights::{Height, Heights};
+#[cfg(feature = "fft")]
+pub use inverse::Integral;
 pub use mips::{Level, mips};
 pub use normal::Normal;
 pub use operator::{Axis, Operator};
