@@ -162,7 +162,7 @@ fn errors_are_typed() {
     let refusal = |from: &str, to: &str| {
         let text = stencils::find("iso3").unwrap().text;
         assert!(text.contains(from), "{from}");
-        let error = Stencil::parse(&text.replacen(from, to, 1).leak()).err().expect("a refusal");
+        let error = Stencil::parse(text.replacen(from, to, 1).leak()).expect_err("a refusal");
         (error.broken, error.line, error.off_by)
     };
     assert_eq!(refusal("order", "ordre"), (Broken::Syntax, 2, 0.0));
@@ -173,4 +173,24 @@ fn errors_are_typed() {
     assert_eq!((broken, off), (Broken::Moment, 0.25));
     let lopsided = " 0 | 2/3\n 1 | 1/6\n 2 | 0.01";
     assert_eq!(refusal("0 | 2/3\n 1 | 1/6", lopsided.trim_start()).0, Broken::Moment);
+}
+
+/// Whatever digit of a grid is changed to whatever other: a moment, a symmetry or the shape breaks.
+#[test]
+fn no_changed_digit_is_accepted() {
+    let mut accepted = vec![];
+    for entry in stencils::all() {
+        let grids = entry.text.find("'''").unwrap();
+        for (i, old) in entry.text.char_indices().skip(grids).filter(|(_, c)| c.is_ascii_digit()) {
+            for new in ('0'..='9').filter(|new| *new != old) {
+                let mut text = entry.text.to_string();
+                text.replace_range(i..=i, new.encode_utf8(&mut [0]));
+                if Stencil::parse(&text).is_ok() {
+                    let line = entry.text[..i].lines().count();
+                    accepted.push(format!("{}:{line}: {old} became {new}", entry.path));
+                }
+            }
+        }
+    }
+    assert!(accepted.is_empty(), "\n{}", accepted.join("\n"));
 }
