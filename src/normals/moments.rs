@@ -1,6 +1,6 @@
 //! The moments of a stencil: M_pq = sum w_ij (i - at)^p j^q over its two-dimensional weights.
 
-use super::stencil::{Stencil, Taps};
+use super::stencil::{Stencil, TAPS, Taps};
 use crate::tableau::DoubleDouble as D;
 
 /// Highest moment.
@@ -26,21 +26,26 @@ impl Moments {
             scale_across: [0.0; MOMENTS],
         };
         let mut left = [D::ZERO; MOMENTS];
+        let mut powers = [
+            Powers::of(&stencil.along, at),
+            Powers::of(&stencil.across, D::ZERO),
+            Powers::of(&stencil.left, D::ZERO),
+        ];
         let mut p = 0;
         while p <= highest && p < MOMENTS {
-            (moments.across[p], moments.scale_across[p]) = moment(&stencil.across, D::ZERO, p);
-            left[p] = moment(&stencil.left, D::ZERO, p).0;
+            let (mut sum, mut scale) = powers[0].next();
+            (moments.across[p], moments.scale_across[p]) = powers[1].next();
+            left[p] = powers[2].next().0;
             // sum_q C(p, q) left_q M_(p-q) is the moment of the right side.
-            let (mut sum, mut scale) = moment(&stencil.along, at, p);
             let (mut q, mut binomial) = (1, 1);
-            while q <= p {
+            while q <= p && stencil.left.len > 1 {
                 binomial = binomial * (p + 1 - q) / q;
                 let term = left[q].times(moments.along[p - q]).times(D::of(binomial as f64));
                 sum = sum.minus(term);
                 scale += term.hi().abs();
                 q += 1;
             }
-            moments.along[p] = sum.over(left[0]);
+            moments.along[p] = if stencil.left.len > 1 { sum.over(left[0]) } else { sum };
             moments.scale_along[p] = scale / left[0].hi().abs();
             p += 1;
         }
@@ -72,22 +77,39 @@ impl Moments {
     }
 }
 
-/// sum w_j (j - at)^p, and the sum of the sizes of its terms.
-const fn moment(taps: &Taps, at: D, p: usize) -> (D, f64) {
-    let (mut sum, mut scale, mut j) = (D::ZERO, 0.0, 0);
-    while j < taps.len {
-        let mut term = taps.weight[j];
-        if p > 0 && term.hi() != 0.0 {
-            let x = D::of((taps.first + j as isize) as f64).minus(at);
-            let mut power = 0;
-            while power < p {
-                term = term.times(x);
-                power += 1;
+/// The terms w_j (j - at)^p of a row for one p after the other.
+struct Powers {
+    len: usize,
+    x: [D; TAPS],
+    term: [D; TAPS],
+}
+
+impl Powers {
+    /// Of the taps that are not 0.
+    const fn of(taps: &Taps, at: D) -> Self {
+        let mut powers = Self { len: 0, x: [D::ZERO; TAPS], term: [D::ZERO; TAPS] };
+        let mut j = 0;
+        while j < taps.len {
+            if taps.weight[j].hi() != 0.0 {
+                powers.x[powers.len] = D::of((taps.first + j as isize) as f64).minus(at);
+                powers.term[powers.len] = taps.weight[j];
+                powers.len += 1;
             }
+            j += 1;
         }
-        sum = sum.plus(term);
-        scale += term.hi().abs();
-        j += 1;
+        powers
     }
-    (sum, scale)
+
+    /// The sum of the terms, and that of their sizes; then goes on to the next p.
+    const fn next(&mut self) -> (D, f64) {
+        let (mut sum, mut scale, mut j) = (D::ZERO, 0.0, 0);
+        while j < self.len {
+            let term = self.term[j];
+            sum = sum.plus(term);
+            scale += term.hi().abs();
+            self.term[j] = term.times(self.x[j]);
+            j += 1;
+        }
+        (sum, scale)
+    }
 }

@@ -67,6 +67,10 @@ const fn left(file: &File) -> Result<Taps, TableauError> {
         let text = about("the grid ", Key::Left, " takes the offsets -1, 0 and 1");
         return Err(shape(file.line(Key::Left), text));
     }
+    if file.has(Key::Left) && taps.len == 1 {
+        let text = about("the grid ", Key::Left, " has a single tap: divide by it and leave the grid out");
+        return Err(shape(file.line(Key::Left), text));
+    }
     Ok(taps)
 }
 
