@@ -109,7 +109,7 @@ fn shaped() -> impl Strategy<Value = String> {
         })
 }
 
-/// A row that is right: any weights at distances 1, 2, .., the first one chosen so that a ramp has the slope 1.
+/// A row that is right: any weights at distances 1, 2, .., the first one such that a ramp has the slope 1.
 fn antisymmetric() -> impl Strategy<Value = String> {
     prop::collection::vec((-9i64..=9).prop_filter("no tap of weight 0", |w| *w != 0), 1..7).prop_map(
         |weights| {

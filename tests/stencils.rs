@@ -63,8 +63,8 @@ fn a_difference_is_judged_where_it_lives() {
     }
 }
 
-/// Lele 1992, table 1 and equation 3.1.4: the leading error is 4/7! h^6 f^(7), k' = (14/9 sin k + 1/18 sin 2k) /
-/// (1 + 2/3 cos k).
+/// Lele 1992, table 1 and equation 3.1.4: the leading error is 4/7! h^6 f^(7),
+/// k' = (14/9 sin k + 1/18 sin 2k) / (1 + 2/3 cos k).
 #[test]
 fn the_compact_stencil_is_that_of_lele() {
     let stencil = find("compact6");

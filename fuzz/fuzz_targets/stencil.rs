@@ -1,5 +1,5 @@
-//! No text panics the reader of stencils or their proof. With cargo-fuzz installed, from the folder of the library:
-//! `cargo +nightly fuzz run stencil fuzz/corpus/stencil tableaus/stencils`.
+//! No text panics the reader of stencils or their proof. With cargo-fuzz installed, from the folder of the
+//! library: `cargo +nightly fuzz run stencil fuzz/corpus/stencil tableaus/stencils`.
 #![no_main]
 
 use kutta::normals::Stencil;

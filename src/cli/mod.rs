@@ -149,8 +149,9 @@ impl Source {
     }
 
     pub fn file(path: &str) -> Result<Self, Failure> {
-        let text = fs::read_to_string(path)
-            .map_err(|error| Failure::Input(format!("{path} cannot be read as a method file: {error}")))?;
+        let text = fs::read_to_string(path).map_err(|error| {
+            Failure::Input(format!("{path} cannot be read as a method or stencil file: {error}"))
+        })?;
         Ok(Self { name: stem(path).to_string(), path: path.to_string(), text: text.into(), proven: false })
     }
 

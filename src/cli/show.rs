@@ -1,5 +1,4 @@
-//! `kutta show NAME`: the tableau as books print it, what follows from it, and where it comes from. Stencils are
-//! drawn next door.
+//! `kutta show NAME`: the tableau as books print it, what follows from it, and where it comes from.
 
 use super::grid::{Grid, grids};
 use super::list::Item;

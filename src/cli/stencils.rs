@@ -163,8 +163,8 @@ fn table(items: &[Item]) -> String {
     }
     let _ = writeln!(
         out,
-        "\n{} stencils. The error is e_xx h^2 f_xxx + e_yy h^2 f_xyy + ..; the noise gain is the noise of the slope \
-         over that of\nthe heights. `kutta show NAME` draws one.",
+        "\n{} stencils. The error is e_xx h^2 f_xxx + e_yy h^2 f_xyy + ..; the noise gain is the noise of the \
+         slope over that\nof the heights. `kutta show NAME` draws one.",
         items.len()
     );
     out
@@ -221,13 +221,12 @@ fn error(p: &Properties) -> String {
 pub fn show(source: &Source, json: bool) -> Result<(), Failure> {
     let stencil = source.stencil().map_err(|error| Failure::Input(source.message(&error)))?;
     if json {
-        let rows = |key: &str| {
-            entries(&source.text, key).map(|rows| {
-                rows.into_iter()
-                    .map(|row| json!({ "offset": row[0].parse::<i64>().ok(), "text": row[1], "value": value(row[1]).map(DoubleDouble::hi) }))
-                    .collect::<Vec<Value>>()
-            })
+        let tap = |row: Vec<&str>| {
+            let (offset, weight) = (row[0].parse::<i64>().ok(), value(row[1]).map(DoubleDouble::hi));
+            json!({ "offset": offset, "text": row[1], "value": weight })
         };
+        let rows =
+            |key: &str| entries(&source.text, key).map(|rows| rows.into_iter().map(tap).collect::<Value>());
         let mut shown = json!(Item::of(&source.name, &stencil));
         for (key, value) in [
             ("cite", json!(stencil.cite)),

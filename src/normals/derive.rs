@@ -110,8 +110,8 @@ impl Stencil<'_> {
         2.0 * PI / bad
     }
 
-    /// The largest angle in degrees between the gradient of a wave and what the stencil finds on both axes, over
-    /// all directions of a wave of this many texels. Shifts of the phase do not count.
+    /// The largest angle in degrees between the gradient of a wave and what the stencil finds on both axes,
+    /// over all directions of a wave of this many texels. Shifts of the phase do not count.
     pub fn direction_error(&self, wavelength: f64) -> f64 {
         let k = 2.0 * PI / wavelength;
         let error = |step: usize| {

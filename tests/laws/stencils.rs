@@ -1,5 +1,5 @@
-//! The laws of stencils in exact rationals, by their definition: polynomials have their exact slope. Nothing is
-//! taken apart into rows as the library does it.
+//! The laws of stencils in exact rationals, by their definition: polynomials have their exact slope. Nothing
+//! is taken apart into rows as the library does it.
 
 use super::exact::{Number, Rational, evaluate, integer, nearest};
 use super::{files_under, text};
@@ -46,8 +46,8 @@ impl File {
         }
     }
 
-    /// What the stencil makes of x^p y^q about the place where it lives, less what it should: the sum of the left
-    /// side's weights times the slope at their own places.
+    /// What the stencil makes of x^p y^q about the place where it lives, less what it should: the sum of the
+    /// left side's weights times the slope at their own places.
     fn miss(&self, p: usize, q: usize) -> Rational {
         let power = |x: &Rational, n: usize| (0..n).fold(integer(1), |power, _| power * x);
         let mut miss = integer(0);

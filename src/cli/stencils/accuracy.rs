@@ -62,9 +62,9 @@ pub fn run(all: &[(&str, Stencil)], json: bool) -> Result<(), Failure> {
 
 fn tables(all: &[(&str, Stencil)], measured: &[Measured]) -> String {
     let mut out = "Angles between baked and exact normals in degrees, root mean square / largest; heights and \
-         normals are float.\nSine waves of 64, 16, 8 texels, of 8 along the diagonal; a bell 4 texels wide; a dome of \
-         radius 200; noise without\nwaves shorter than 8 or 4 texels. Slopes to 45 degrees, of the noise 1/2 in the \
-         mean.\n\n"
+                   normals are\nfloat. Sine waves of 64, 16, 8 texels, of 8 along the diagonal; a bell 4 texels \
+                   wide; a dome of radius 200;\nnoise without waves shorter than 8 or 4 texels. Slopes to 45 \
+                   degrees, of the noise 1/2 in the mean.\n\n"
         .to_string();
     let find = |stencil: &str, surface: &str, stored: &str| {
         measured.iter().find(|m| m.stencil == stencil && m.surface == surface && m.stored == stored)
@@ -73,8 +73,8 @@ fn tables(all: &[(&str, Stencil)], measured: &[Measured]) -> String {
     table(&mut out, all, &float, |stencil, surface, stored| {
         find(stencil, surface, stored).map(|m| format!("{}/{}", degrees(m.rms), degrees(m.max)))
     });
-    out += "\nThe same where heights > normals are stored in 16 or 8 bits (8d: dithered; cut: not rounded), root mean \
-            square.\n";
+    out += "\nThe same where heights > normals are stored in 16 or 8 bits (8d: dithered; cut: not rounded), \
+            root mean\nsquare.\n";
     for surface in ["dome", "noise 8"] {
         let _ = writeln!(out, "\n{surface}");
         let columns = STORED.map(|(stored, ..)| (stored.to_string(), surface, stored));

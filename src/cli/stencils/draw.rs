@@ -6,8 +6,8 @@ use kutta::normals::{Stencil, Taps};
 /// Largest common denominator that is looked for.
 const DENOMINATOR: u32 = 20_000;
 
-/// The two-dimensional array of weights, rows from top to bottom, of the slope to the right. Whole numbers over
-/// a common denominator where there is a small one. A compact stencil has its left side above.
+/// The two-dimensional array of weights, rows from top to bottom, of the slope to the right. Whole numbers
+/// over a common denominator where there is a small one. A compact stencil has its left side above.
 pub fn draw(stencil: &Stencil) -> String {
     let mut out = String::new();
     let mut picture = |heading: &str, along: &Taps, across: &Taps| {

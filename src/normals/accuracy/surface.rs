@@ -14,8 +14,8 @@ pub enum Surface {
     Gaussian,
     /// A hemisphere of radius 200, out to nine tenths of that.
     Dome,
-    /// Waves of random phase on 512 x 512 texels, none shorter than `shortest`, of amplitude k^(-3/2), the root
-    /// mean square of the gradient 1/2.
+    /// Waves of random phase on 512 x 512 texels, none shorter than `shortest`, of amplitude k^(-3/2), the
+    /// root mean square of the gradient 1/2.
     Noise { shortest: f64 },
 }
 
