@@ -26,7 +26,8 @@
 //!   of `f64`, `f32`, complex numbers or [`tableau::DoubleDouble`].
 //! - [`problems`]: a catalogue with references to many digits.
 //! - [`compare`]: speed against error, for the catalogue and for a system of your own.
-//! - [`normals`]: normal maps from height maps, and what bump mapping needs around them.
+//! - [`normals`]: normal maps from height maps, and what bump mapping needs around them; [`stencil!`] makes a
+//!   stencil of a file of yours.
 //!
 //! # Steps of one size, for a scene
 //!
