@@ -1,12 +1,17 @@
 //! The command line: one file for each command.
 
+mod bake;
 mod check;
 mod compare;
 mod grid;
+mod image;
+mod light;
 mod list;
 mod plot;
+mod relief;
 mod show;
 mod solve;
+mod whole;
 mod words;
 
 use clap::{Parser, Subcommand};
@@ -36,6 +41,8 @@ enum Command {
     /// Solve a problem of the catalogue
     Solve(solve::Args),
     Compare(compare::Args),
+    Bake(bake::Args),
+    Light(light::Args),
 }
 
 /// Why a command fails, in one line.
@@ -55,6 +62,8 @@ pub fn main() -> ExitCode {
             Command::Check(args) => check::run(args),
             Command::Solve(args) => solve::run(args),
             Command::Compare(args) => compare::run(args),
+            Command::Bake(args) => bake::run(args),
+            Command::Light(args) => light::run(args),
         },
     };
     match done {

@@ -7,7 +7,9 @@
 pub mod bump;
 pub mod frame;
 pub mod parallax;
+mod stand_in;
 pub mod stencil;
 pub mod tangents;
 
+pub use stand_in::{Bake, BakeError, Border, Green, Height, Heights, Level, Normal, mips, stencils};
 pub use stencil::{Stencil, Taps};
