@@ -112,8 +112,8 @@ struct Leaf {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let (format, kind) = args.target()?;
     let errors = args.error_target()?;
-    let chosen = args.relief.chosen()?;
-    let stencil = chosen.stencil()?;
+    let source = args.relief.source()?;
+    let stencil = source.stencil().map_err(|error| Failure::Input(source.message(&error)))?;
     let green = if args.green == Way::Up { Green::Up } else { Green::Down };
     let bake = args.relief.bake(&stencil).green(green).best_fit(args.best_fit);
     // Before the work, so that a path that cannot be written costs none.
@@ -230,7 +230,7 @@ impl Args {
         let refused = |error: BakeError| self.relief.refused(&error);
         let name = if stencil.order > 2 { "central2" } else { "central4" };
         let other = stencils::find(name).ok_or_else(|| input(format!("there is no stencil {name}")))?;
-        let [ours, theirs] = [stencil, &other.stencil]
+        let [ours, theirs] = [stencil, other.stencil]
             .map(|stencil| relief::normals::<[f32; 3]>(&self.relief.bake(stencil), image));
         let angles: Vec<f32> = ours
             .map_err(refused)?

@@ -93,8 +93,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if !(1..=MOST).contains(&args.pixels) {
         return Err(Failure::Input(format!("--pixels is {}: it must be from 1 to {MOST}", args.pixels)));
     }
-    let chosen = args.relief.chosen()?;
-    let stencil = chosen.stencil()?;
+    let source = args.relief.source()?;
+    let stencil = source.stencil().map_err(|error| Failure::Input(source.message(&error)))?;
     let file = Whole::create(&args.out).map_err(|error| Failure::Input(format!("{out}: {error}")))?;
     let texture = texture(&args.relief, &stencil)?;
     let scene = Scene::new(args.shape, texture.tile.into(), args.view.0);

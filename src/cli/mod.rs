@@ -11,11 +11,13 @@ mod plot;
 mod relief;
 mod show;
 mod solve;
+mod stencils;
 mod whole;
 mod words;
 
 use clap::{Parser, Subcommand};
-use kutta::tableau::{Tableau, TableauError, stem};
+use kutta::normals::{Stencil, stencils as all_stencils};
+use kutta::tableau::{Tableau, TableauError, entries, stem};
 use kutta::{methods, problems};
 use std::borrow::Cow;
 use std::fs;
@@ -34,10 +36,11 @@ struct Cli {
 enum Command {
     /// List all methods by family
     List(list::Args),
-    /// Print a method's tableau and everything that follows from it
+    /// Print a method's tableau or a stencil, and everything that follows from it
     Show(show::Args),
-    /// Prove a method file as the compiler would
+    /// Prove a method or stencil file as the compiler would
     Check(check::Args),
+    Stencils(stencils::Args),
     /// Solve a problem of the catalogue
     Solve(solve::Args),
     Compare(compare::Args),
@@ -60,6 +63,7 @@ pub fn main() -> ExitCode {
             Command::List(args) => list::run(args),
             Command::Show(args) => show::run(args),
             Command::Check(args) => check::run(args),
+            Command::Stencils(args) => stencils::run(args),
             Command::Solve(args) => solve::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Bake(args) => bake::run(args),
@@ -111,7 +115,7 @@ pub fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
     }
 }
 
-/// A method file, from the library or from a path.
+/// A method or stencil file, from the library or from a path.
 pub struct Source {
     pub name: String,
     pub path: String,
@@ -124,8 +128,7 @@ impl Source {
     /// The method of that name, or the file at that path.
     pub fn find(name: &str) -> Result<Self, Failure> {
         if let Some(entry) = methods::find(name) {
-            let (name, path) = (entry.name.to_string(), entry.path.to_string());
-            return Ok(Self { name, path, text: entry.text.into(), proven: true });
+            return Ok(Self::shipped(entry.name, entry.path, entry.text));
         }
         if name.ends_with(".toml") || name.contains(['/', '\\']) {
             return Self::file(name);
@@ -134,10 +137,39 @@ impl Source {
         Err(unknown("method", name, all, "`kutta list` shows all, and a path to a .toml file will do"))
     }
 
+    /// The method or the stencil of that name, or the file at that path.
+    pub fn find_any(name: &str) -> Result<Self, Failure> {
+        if let Some(entry) = all_stencils::find(name) {
+            return Ok(Self::shipped(entry.name, entry.path, entry.text));
+        }
+        Self::find(name).map_err(|failure| match failure {
+            Failure::Input(line) if line.starts_with("there is no method") => {
+                let methods = methods::all().iter().map(|entry| entry.name);
+                let all = methods.chain(all_stencils::all().iter().map(|entry| entry.name));
+                let advice = "`kutta list` and `kutta stencils` show all, and a path to a .toml file will do";
+                unknown("method or stencil", name, all, advice)
+            }
+            failure => failure,
+        })
+    }
+
+    fn shipped(name: &str, path: &str, text: &'static str) -> Self {
+        Self { name: name.to_string(), path: path.to_string(), text: text.into(), proven: true }
+    }
+
     pub fn file(path: &str) -> Result<Self, Failure> {
         let text = fs::read_to_string(path)
             .map_err(|error| Failure::Input(format!("{path} cannot be read as a method file: {error}")))?;
         Ok(Self { name: stem(path).to_string(), path: path.to_string(), text: text.into(), proven: false })
+    }
+
+    /// What it holds is a stencil.
+    pub fn is_stencil(&self) -> bool {
+        entries(&self.text, "stencil").is_some()
+    }
+
+    pub fn stencil(&self) -> Result<Stencil<'_>, TableauError> {
+        Stencil::parse(&self.text)
     }
 
     /// Its numbers, proven now if they are not yet.

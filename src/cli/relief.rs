@@ -1,7 +1,7 @@
 //! What `bake` and `light` read: a height map, and how its numbers become slopes.
 
 use super::image::{self, Channel, Grey, Size, Texels};
-use super::{Failure, unknown};
+use super::{Failure, Source, unknown};
 use indicatif::ProgressBar;
 use kutta::normals::{Bake, BakeError, Border, Heights, Normal, Stencil, stencils};
 use std::fs::File;
@@ -87,26 +87,6 @@ pub fn number(text: &str) -> Result<f64, String> {
     text.trim().parse().ok().filter(|x: &f64| x.is_finite()).ok_or("not a finite number".to_string())
 }
 
-/// A stencil file, from the library or from a path.
-pub struct Chosen {
-    path: String,
-    text: String,
-    proven: Option<Stencil<'static>>,
-}
-
-impl Chosen {
-    pub fn stencil(&self) -> Result<Stencil<'_>, Failure> {
-        match self.proven {
-            Some(stencil) => Ok(stencil),
-            None => Err(Failure::Input(format!(
-                "{}: stencil files are not read yet: {}",
-                self.path,
-                self.text.len()
-            ))),
-        }
-    }
-}
-
 impl Relief {
     /// Reads the map; the bar follows the bytes.
     pub fn read(&self, bar: &ProgressBar) -> Result<Grey, Failure> {
@@ -121,19 +101,17 @@ impl Relief {
             .map_err(refused)
     }
 
-    pub fn chosen(&self) -> Result<Chosen, Failure> {
+    /// The stencil of that name, or in the file at that path.
+    pub fn source(&self) -> Result<Source, Failure> {
         let name = &self.stencil;
         if let Some(entry) = stencils::find(name) {
-            return Ok(Chosen { path: name.clone(), text: String::new(), proven: Some(entry.stencil) });
+            return Ok(Source::shipped(entry.name, entry.path, entry.text));
         }
         if name.ends_with(".toml") || name.contains(['/', '\\']) {
-            let text = std::fs::read_to_string(name).map_err(|error| {
-                Failure::Input(format!("{name} cannot be read as a stencil file: {error}"))
-            })?;
-            return Ok(Chosen { path: name.clone(), text, proven: None });
+            return Source::file(name);
         }
         let all = stencils::all().iter().map(|entry| entry.name);
-        Err(unknown("stencil", name, all, "`kutta stencils` lists them, and a path to a .toml file will do"))
+        Err(unknown("stencil", name, all, "`kutta stencils` shows all, and a path to a .toml file will do"))
     }
 
     pub fn bake<'s>(&self, stencil: &'s Stencil<'s>) -> Bake<'s> {

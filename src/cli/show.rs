@@ -1,16 +1,17 @@
-//! `kutta show NAME`: the tableau as books print it, what follows from it, and where it comes from.
+//! `kutta show NAME`: the tableau as books print it, what follows from it, and where it comes from. Stencils are
+//! drawn next door.
 
 use super::grid::{Grid, grids};
 use super::list::Item;
 use super::words::{json, words};
-use super::{Failure, Source, print, print_json};
+use super::{Failure, Source, print, print_json, stencils};
 use kutta::tableau::{Scheme, Tableau};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 #[derive(clap::Args)]
 pub struct Args {
-    /// A method's name, or the path of a .toml file
+    /// A method's or stencil's name, or the path of a .toml file
     name: String,
     /// Print a JSON object for scripts
     #[arg(long)]
@@ -32,7 +33,10 @@ struct Shown<'t> {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let source = Source::find(&args.name)?;
+    let source = Source::find_any(&args.name)?;
+    if source.is_stencil() {
+        return stencils::show(&source, args.json);
+    }
     let tableau = source.tableau().map_err(|error| Failure::Input(source.message(&error)))?;
     let (grids, properties) = (grids(&source.text), tableau.properties());
     if args.json {

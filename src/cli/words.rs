@@ -64,12 +64,12 @@ pub fn words(p: &Properties) -> String {
     out
 }
 
-fn yes(x: bool) -> &'static str {
+pub fn yes(x: bool) -> &'static str {
     if x { "yes" } else { "no" }
 }
 
 /// Five digits, zeros at the end left out; 1.2e-7 where it is small or large.
-fn short(x: f64) -> String {
+pub fn short(x: f64) -> String {
     if x == 0.0 {
         return "0".to_string();
     }

@@ -100,6 +100,10 @@ pub enum Broken {
     EmbeddedOrder,
     /// A condition of the claimed dense-output order fails.
     DenseOrder,
+    /// A moment of a stencil is not what its claims need.
+    Moment,
+    /// Weights of a stencil that lie symmetrically are neither alike nor opposite.
+    Symmetry,
     /// The characteristic roots of a multistep method leave the unit disc, or a double one lies on it.
     ZeroStability,
     /// The table is right, but no stepper runs its family yet.

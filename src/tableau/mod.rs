@@ -20,6 +20,8 @@ pub use derive::{Properties, Stages};
 pub use double_double::DoubleDouble;
 pub use error::{Broken, TableauError, Text};
 pub use form::{CARRIED, Form, Meaning, POWERS, Row, STAGES, TERMS};
+pub(crate) use prove::tolerance;
+pub(crate) use read::stencil;
 pub use read::{entries, value};
 
 use double_double::DoubleDouble as D;

@@ -38,7 +38,7 @@ const fn prove_with<const N: usize>(t: &Tableau, forms: &Forms) -> Result<(), Ta
     let mut smaller = [[D::ZERO; CARRIED + STAGES]; N];
     let mut eta = [[D::ZERO; STAGES]; N];
     let (smaller, eta) = (smaller.split_at_mut(stored).0, eta.split_at_mut(stored).0);
-    claims.prove(Series::new(forms, trees, smaller, eta), tolerance(t))
+    claims.prove(Series::new(forms, trees, smaller, eta), tolerance(t.digits))
 }
 
 /// Proves the same with orders to `limit`.
@@ -48,13 +48,13 @@ pub(super) fn prove_to(t: &Tableau, limit: usize) -> Result<(), TableauError> {
     let trees = forms.kind.trees_to(claims.highest);
     let stored = claims.smaller(&trees);
     let (mut smaller, mut eta) = (vec![[D::ZERO; CARRIED + STAGES]; stored], vec![[D::ZERO; STAGES]; stored]);
-    claims.prove(Series::new(&forms, &trees, &mut smaller, &mut eta), tolerance(t))
+    claims.prove(Series::new(&forms, &trees, &mut smaller, &mut eta), tolerance(t.digits))
 }
 
-/// 10^-digits, or what the arithmetic allows.
-const fn tolerance(t: &Tableau) -> f64 {
+/// 10^-digits, or what the arithmetic allows; 0 digits are those of exact entries.
+pub(crate) const fn tolerance(digits: usize) -> f64 {
     let (mut tolerance, mut digit) = (1.0, 0);
-    while tolerance > FLOOR && (digit < t.digits || t.digits == 0) {
+    while tolerance > FLOOR && (digit < digits || digits == 0) {
         tolerance /= 10.0;
         digit += 1;
     }
@@ -67,7 +67,7 @@ const fn forms(t: &Tableau) -> Result<Forms, TableauError> {
         return Err(TableauError::new(Broken::Shape, 0, 0.0, Text::new().str(why)));
     }
     let forms = Forms::of(t);
-    match sums(&t.scheme, &forms, tolerance(t)) {
+    match sums(&t.scheme, &forms, tolerance(t.digits)) {
         Ok(()) => Ok(forms),
         Err(error) => Err(error),
     }

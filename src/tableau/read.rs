@@ -5,6 +5,7 @@ mod array;
 mod file;
 mod grid;
 mod place;
+mod stencil;
 #[cfg(test)]
 mod tests;
 
@@ -26,6 +27,7 @@ use array::{imex, nystrom, partitioned, rosenbrock, runge_kutta, transformed};
 use file::{File, Key, about, shape, syntax};
 use grid::{Grid, Layout, ROWS, count};
 use place::is;
+pub(crate) use stencil::stencil;
 
 /// Highest order a file may claim.
 const HIGHEST: usize = 20;
@@ -79,22 +81,34 @@ const fn has(keys: &[Key], key: Key) -> bool {
 
 /// The family whose keys the file has: all it needs, none of another.
 const fn family(file: &File) -> Result<Key, TableauError> {
+    match named(file) {
+        Some((family, _)) => match fits(file, family) {
+            Ok(()) => Ok(family.needs[0]),
+            Err(error) => Err(error),
+        },
+        None if file.has(Key::Stencil) => {
+            let text = "this is a stencil, not a method: Stencil::parse and stencil! read it";
+            Err(syntax(file.line(Key::Stencil), Text::new().str(text)))
+        }
+        None => Err(syntax(0, Text::new().str("the file has no numbers: add a grid such as \"tableau\""))),
+    }
+}
+
+/// The first family that a key of the file names, and the key.
+const fn named(file: &File) -> Option<(&'static Family, Key)> {
     let mut f = 0;
     while f < FAMILIES.len() {
         let mut i = 0;
         while i < FAMILIES[f].needs.len() {
             let key = FAMILIES[f].needs[i];
             if file.has(key) && !matches!(key, Key::Gamma | Key::Mode) {
-                return match fits(file, &FAMILIES[f]) {
-                    Ok(()) => Ok(FAMILIES[f].needs[0]),
-                    Err(error) => Err(error),
-                };
+                return Some((&FAMILIES[f], key));
             }
             i += 1;
         }
         f += 1;
     }
-    Err(syntax(0, Text::new().str("the file has no numbers: add a grid such as \"tableau\"")))
+    None
 }
 
 const fn fits(file: &File, family: &Family) -> Result<(), TableauError> {
@@ -132,24 +146,29 @@ const fn missing(key: Key, title: &str) -> TableauError {
     syntax(0, about("the key ", key, " is missing; ").str(title).str(" needs it"))
 }
 
-/// Reads a method file; see [`Tableau`] for what its grids mean.
-pub(super) const fn read(text: &str) -> Result<Tableau<'_>, TableauError> {
+/// The keys of a file, with a name, an order and a source among them.
+const fn scan<'t>(text: &'t str, empty: &str, which: &str) -> Result<File<'t>, TableauError> {
     let file = ok!(File::scan(text));
     if file.is_empty() {
-        let text = "the file is empty: it needs name, order, cite and a tableau";
-        return Err(syntax(1, Text::new().str(text)));
+        return Err(syntax(1, Text::new().str(empty)));
     }
     let mut i = 0;
     while i < 3 {
         let key = COMMON[i];
         if !file.has(key) {
-            return Err(missing(key, "every method"));
+            return Err(missing(key, which));
         }
         if file.string(key).is_empty() {
             return Err(syntax(file.line(key), about("the key ", key, " is empty")));
         }
         i += 1;
     }
+    Ok(file)
+}
+
+/// Reads a method file; see [`Tableau`] for what its grids mean.
+pub(super) const fn read(text: &str) -> Result<Tableau<'_>, TableauError> {
+    let file = ok!(scan(text, "the file is empty: it needs name, order, cite and a tableau", "every method"));
     let tableau = Tableau {
         title: file.string(Key::Name),
         cite: file.string(Key::Cite),

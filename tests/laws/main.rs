@@ -9,6 +9,7 @@ mod report;
 mod second_order;
 mod spoiled;
 mod stages;
+mod stencils;
 mod steps;
 mod trees;
 
@@ -18,10 +19,10 @@ use exact::{Fixed, Rational};
 use file::File;
 use report::Report;
 
-/// Paths of all method files on disk, relative to the package.
-fn paths() -> Vec<String> {
+/// Paths of all files under a folder of the package, relative to it.
+fn files_under(folder: &str) -> Vec<String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut folders = vec![root.join("tableaus")];
+    let mut folders = vec![root.join(folder)];
     let mut paths = Vec::new();
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).unwrap() {
@@ -35,6 +36,13 @@ fn paths() -> Vec<String> {
         }
     }
     paths.sort();
+    paths
+}
+
+/// All method files; stencils have laws of their own.
+fn paths() -> Vec<String> {
+    let mut paths = files_under("tableaus");
+    paths.retain(|path| !path.starts_with("tableaus/stencils/"));
     paths
 }
 

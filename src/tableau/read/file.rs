@@ -1,4 +1,4 @@
-//! A method file as lines `key = value`: a strict subset of TOML, each key known and given once.
+//! A method or stencil file as lines `key = value`: a strict subset of TOML, each key known and given once.
 
 use super::ok;
 use super::place::{Place, is, line, quote};
@@ -63,6 +63,11 @@ keys! {
     Corrector "corrector" Grid;
     Nystrom "nystrom" Grid;
     Splitting "splitting" Grid;
+    At "at" Text;
+    Isotropic "isotropic" Integers;
+    Stencil "stencil" Grid;
+    Smooth "smooth" Grid;
+    Left "left" Grid;
 }
 
 /// The bytes of a value, those of a text without its quotes; 0, 0 where the key is absent.

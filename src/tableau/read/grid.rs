@@ -130,8 +130,13 @@ impl<'b> Grid<'b> {
 
     /// The number before the bar of row `r`.
     pub const fn c(&self, r: usize) -> Result<D, TableauError> {
+        self.before(r, "c")
+    }
+
+    /// The same where it is called otherwise.
+    pub const fn before(&self, r: usize, what: &str) -> Result<D, TableauError> {
         if self.labels[r].is_empty() {
-            return Err(self.refuse(r, "c is missing before the bar |"));
+            return Err(shape(self.line(r), Text::new().str(what).str(" is missing before the bar |")));
         }
         entry(&mut { self.places[r] })
     }

@@ -1,0 +1,155 @@
+//! How a map is baked: chunk after chunk, slopes and normals of each while it stays in the nearest cache.
+
+use super::heights::{Height, Heights};
+use super::mix::{Mix, Mixes};
+use super::normal::sealed::Write;
+use super::normal::{CHUNK, Pack};
+use super::operator::Axis;
+use super::simd::Simd;
+use super::stream::{self, Bytes};
+
+/// Maps of more bytes than this are stored past the cache.
+const CACHE: usize = 4 << 20;
+/// Rows that one thread takes at a time.
+#[cfg(feature = "rayon")]
+const BAND: usize = 32;
+
+/// A height map with the weights of every texel.
+pub(super) struct Map<'a, H> {
+    pub heights: Heights<'a, H>,
+    /// For s and t: the difference along the axis, the smoothing along it for the other one.
+    pub along: [Mixes; 2],
+    pub across: [Mixes; 2],
+    pub best: bool,
+    pub simd: Simd,
+}
+
+/// What one thread works in.
+struct Work<W> {
+    x: Vec<f32>,
+    y: Vec<f32>,
+    mixed: Vec<f32>,
+    packed: Vec<u32>,
+    staged: Vec<W>,
+}
+
+impl<H: Height> Map<'_, H> {
+    /// Bakes all rows. False where a height is not finite.
+    pub(super) fn bake<W: Write + Bytes + Default + Send>(&self, out: &mut [W]) -> bool {
+        let width = self.heights.width;
+        let past = size_of_val(out) > CACHE;
+        let band = |(first, rows): (usize, &mut [W])| {
+            let mut work = self.work();
+            let mut finite = true;
+            for (y, row) in rows.chunks_mut(width).enumerate() {
+                for (i, out) in row.chunks_mut(CHUNK).enumerate() {
+                    finite &= self.chunk(first + y, i * CHUNK, out, past, &mut work);
+                }
+            }
+            if past {
+                stream::fence();
+            }
+            finite
+        };
+        #[cfg(feature = "rayon")]
+        if self.heights.height > BAND {
+            use rayon::prelude::*;
+            let bands = out.par_chunks_mut(BAND * width).enumerate();
+            return bands.map(|(i, rows)| band((i * BAND, rows))).reduce(|| true, |a, b| a & b);
+        }
+        band((0, out))
+    }
+
+    fn work<W: Default + Clone>(&self) -> Work<W> {
+        let most = |mixes: &[Mixes; 2]| mixes[0].reach[0] + mixes[0].reach[1];
+        let reach = most(&self.along).max(most(&self.across));
+        Work {
+            x: vec![0.0; CHUNK],
+            y: vec![0.0; CHUNK],
+            mixed: vec![0.0; CHUNK + reach],
+            packed: vec![0; CHUNK],
+            staged: vec![W::default(); CHUNK],
+        }
+    }
+
+    fn chunk<W: Write + Bytes>(
+        &self,
+        y: usize,
+        x0: usize,
+        out: &mut [W],
+        past: bool,
+        work: &mut Work<W>,
+    ) -> bool {
+        let n = out.len();
+        let [along_s, along_t] = &self.along;
+        let [across_s, across_t] = &self.across;
+        self.sum(y, x0, across_t, along_s, &mut work.x[..n], &mut work.mixed);
+        self.sum(y, x0, along_t, across_s, &mut work.y[..n], &mut work.mixed);
+        let staged = if past { &mut work.staged[..n] } else { &mut *out };
+        let (x, packed) = (&work.x[..n], &mut work.packed);
+        let pack = Pack { best: self.best, x, y: &work.y[..n], work: packed, out: staged };
+        if !self.simd.run(pack) {
+            for (i, out) in staged.iter_mut().enumerate() {
+                let [x, y] = self.slope(x0 + i, y);
+                *out = W::one(x, y, self.best);
+            }
+        }
+        if past {
+            // SAFETY: the band ends with a fence.
+            unsafe { stream::copy(&work.staged[..n], out) };
+        }
+        H::all_finite(&self.heights.row(y)[x0..x0 + n])
+    }
+
+    /// The weights down the column, then those along the row, of a run of texels.
+    fn sum(&self, y: usize, x0: usize, down: &Mixes, along: &Mixes, out: &mut [f32], mixed: &mut [f32]) {
+        let column = down.of(y);
+        let fetch = |dy: isize| self.heights.row((y as isize + dy) as usize);
+        let (end, inner) = (x0 + out.len(), &along.line.inner);
+        let (from, to) = (inner.start.clamp(x0, end), inner.end.clamp(x0, end));
+        if from < to {
+            let out = &mut out[from - x0..to - x0];
+            let shift = |x: usize, dx: isize| (x as isize + dx) as usize;
+            if along.line.identity() {
+                column.sum(self.simd, out, |dy| &fetch(dy)[from..to]);
+            } else if down.line.identity() {
+                let row = fetch(0);
+                along.inner().sum(self.simd, out, |dx| &row[shift(from, dx)..shift(to, dx)]);
+            } else {
+                let [before, after] = along.reach;
+                let (first, last) = (from - before, to + after);
+                let mixed = &mut mixed[..last - first];
+                column.sum(self.simd, mixed, |dy| &fetch(dy)[first..last]);
+                let mixed = &*mixed;
+                along.inner().sum(self.simd, out, |dx| &mixed[shift(before, dx)..][..to - from]);
+            }
+        }
+        for x in (x0..from.max(x0)).chain(to.max(from)..end) {
+            out[x - x0] = self.point(x, y, column, along.of(x)) as f32;
+        }
+    }
+
+    fn point(&self, x: usize, y: usize, column: &Mix, row: &Mix) -> f64 {
+        let fetch = |dx: isize, dy: isize| {
+            self.heights.row((y as isize + dy) as usize)[(x as isize + dx) as usize].steps()
+        };
+        row.at(|dx| column.at(|dy| fetch(dx, dy)))
+    }
+
+    /// Both sums of a texel in `f64`, where they do not overflow.
+    pub(super) fn slope(&self, x: usize, y: usize) -> [f64; 2] {
+        let [along_s, along_t] = &self.along;
+        let [across_s, across_t] = &self.across;
+        [self.point(x, y, across_t.of(y), along_s.of(x)), self.point(x, y, along_t.of(y), across_s.of(x))]
+    }
+
+    /// Whether the slope of a texel along an axis is made of a height that is not finite.
+    pub(super) fn touches(&self, axis: Axis, x: usize, y: usize) -> bool {
+        let (column, row) = match axis {
+            Axis::S => (self.across[1].of(y), self.along[0].of(x)),
+            Axis::T => (self.along[1].of(y), self.across[0].of(x)),
+        };
+        let to = |at: usize, by: isize| (at as isize + by) as usize;
+        column.touches(|dy| row.touches(|dx| self.heights.bad(to(x, dx), to(y, dy))))
+    }
+}
