@@ -1,13 +1,12 @@
 //! `kutta bake HEIGHT OUT`: a normal map from a height map.
 
-use super::image::{Format, Grey, Pixels, write};
+use super::image::{Format, Grey, Pixels, Texels, write};
 use super::relief::{self, Relief};
 use super::whole::Whole;
 use super::{Failure, print};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
-use kutta::normals::{Bake, BakeError, Green, Level, Stencil, mips, stencils};
-use nalgebra::Vector3;
+use kutta::normals::{Bake, BakeError, Border, Green, Heights, Level, Stencil, mips, stencils};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -163,6 +162,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         ms(written),
     );
     line.extend(about);
+    line.extend(advice(&bake, &image).map_err(|error| args.relief.refused(&error))?);
     print(&line)
 }
 
@@ -218,8 +218,8 @@ impl Args {
     }
 }
 
-/// Angles in degrees, row by row, and a line about them.
 impl Args {
+    /// Writes the angles to the other stencil's normals, in degrees, and has a line about them.
     fn error_map(
         &self,
         path: &Path,
@@ -230,14 +230,9 @@ impl Args {
         let refused = |error: BakeError| self.relief.refused(&error);
         let name = if stencil.order > 2 { "central2" } else { "central4" };
         let other = stencils::find(name).ok_or_else(|| input(format!("there is no stencil {name}")))?;
-        let [ours, theirs] = [stencil, other.stencil]
-            .map(|stencil| relief::normals::<[f32; 3]>(&self.relief.bake(stencil), image));
-        let angles: Vec<f32> = ours
-            .map_err(refused)?
-            .iter()
-            .zip(&theirs.map_err(refused)?)
-            .map(|(a, b)| angle(*a, *b))
-            .collect();
+        let bake = self.relief.bake(stencil);
+        let angles = relief::with_heights!(image, heights => bake.error_map(other.stencil, &heights))
+            .map_err(refused)?;
         let mut file = create(path)?;
         write(&mut file, format, image.width, Pixels::GreyF32(&angles), |_| ())
             .map_err(|error| unwritten(path, &error))?;
@@ -248,10 +243,28 @@ impl Args {
     }
 }
 
-/// Between unit vectors, in degrees; by the sine, which small angles ask for.
-fn angle(a: [f32; 3], b: [f32; 3]) -> f32 {
-    let [a, b] = [a, b].map(|n| Vector3::from(n.map(f64::from)));
-    a.cross(&b).norm().atan2(a.dot(&b)).to_degrees() as f32
+/// Texels each way of the part of a map that stencils are weighed on.
+const PART: usize = 512;
+
+/// Of 8-bit heights: whether their rounding makes the stencil's order pointless, and which stencil would serve.
+/// Judged on the middle of the map.
+fn advice(bake: &Bake, image: &Grey) -> Result<Option<String>, BakeError> {
+    let Texels::U8(texels) = &image.texels else { return Ok(None) };
+    let [width, height] = [image.width, image.height].map(|size| size.min(PART));
+    let (left, top) = ((image.width - width) / 2, (image.height - height) / 2);
+    let rows = texels.chunks_exact(image.width).skip(top).take(height);
+    let part: Vec<u8> = rows.flat_map(|row| &row[left..left + width]).copied().collect();
+    let heights = Heights::new(&part, width, height)?;
+    // The others that live where a texel is, on both sides of it.
+    let serve = |stencil: &Stencil| stencil.at.hi() == 0.0 && stencil.along.first < 0;
+    let others: Vec<_> = stencils::all()
+        .iter()
+        .filter(|entry| serve(entry.stencil))
+        .map(|entry| (entry.name, entry.stencil))
+        .collect();
+    // What is cut out has edges of its own.
+    let advice = bake.border([Border::Mirror; 2]).advice(&heights, &others)?;
+    Ok(advice.higher_order_is_pointless().then(|| format!("8-bit heights: {advice}\n")))
 }
 
 fn input(line: String) -> Failure {

@@ -147,12 +147,19 @@ impl Relief {
 macro_rules! with_heights {
     ($image:expr, $heights:ident => $body:expr) => {
         match &$image.texels {
-            Texels::U8(all) => Heights::new(all, $image.width, $image.height).and_then(|$heights| $body),
-            Texels::U16(all) => Heights::new(all, $image.width, $image.height).and_then(|$heights| $body),
-            Texels::F32(all) => Heights::new(all, $image.width, $image.height).and_then(|$heights| $body),
+            $crate::cli::image::Texels::U8(all) => {
+                Heights::new(all, $image.width, $image.height).and_then(|$heights| $body)
+            }
+            $crate::cli::image::Texels::U16(all) => {
+                Heights::new(all, $image.width, $image.height).and_then(|$heights| $body)
+            }
+            $crate::cli::image::Texels::F32(all) => {
+                Heights::new(all, $image.width, $image.height).and_then(|$heights| $body)
+            }
         }
     };
 }
+pub(super) use with_heights;
 
 /// Slopes in world units, rows from the top.
 pub fn slopes(bake: &Bake, image: &Grey) -> Result<Vec<[f32; 2]>, BakeError> {

@@ -123,6 +123,12 @@ impl<'s> Bake<'s> {
         out
     }
 
+    /// The same with another stencil.
+    pub(super) fn with<'o>(&self, stencil: &'o Stencil<'o>) -> Bake<'o> {
+        let Self { height_scale, texel_size, border, green, best_fit, missing_as_border, .. } = *self;
+        Bake { stencil, height_scale, texel_size, border, green, best_fit, missing_as_border }
+    }
+
     /// The signs that slopes take in a normal.
     pub(super) fn tilt(&self) -> [f64; 2] {
         [-1.0, if self.green == Green::Up { -1.0 } else { 1.0 }]

@@ -129,9 +129,11 @@ impl<T: Real> Line<T> {
         let last = end(&spec.taps).max(end(&spec.left)).max(0) as usize;
         // With no room between the ends every row is an end.
         let inner = if first + last < n { first..n - last } else { n..n };
+        // What cancels leaves the rounding of 32 digits.
+        let size: f64 = (0..spec.taps.len).map(|j| (spec.taps.weight[j] * spec.scale).hi().abs()).sum();
         let of = |row: Vec<(usize, D)>| {
-            let mut row: Vec<_> = row.into_iter().map(|(at, w)| (at, T::of(w))).collect();
-            row.retain(|(_, w)| *w != T::zero());
+            let kept = row.into_iter().filter(|(_, w)| w.hi().abs() > 1e-27 * size);
+            let mut row: Vec<_> = kept.map(|(at, w)| (at, T::of(w))).collect();
             row.sort_by_key(|entry| entry.0);
             row
         };

@@ -5,6 +5,7 @@
 //! slopes bend the normal ([`bump`]), and how its heights shift it ([`parallax`](mod@parallax)).
 
 pub mod accuracy;
+mod advice;
 mod bake;
 mod best_fit;
 mod border;
@@ -13,6 +14,8 @@ mod derive;
 mod error;
 pub mod frame;
 mod heights;
+#[cfg(feature = "fft")]
+mod inverse;
 mod line;
 mod map;
 mod mips;
@@ -31,12 +34,15 @@ mod stream;
 pub mod tangents;
 mod tridiagonal;
 
+pub use advice::{Advice, Budget};
 pub use bake::{Bake, Green};
 pub use best_fit::pack_best_fit;
 pub use border::Border;
 pub use derive::{Properties, Term};
 pub use error::BakeError;
 pub use heights::{Height, Heights};
+#[cfg(feature = "fft")]
+pub use inverse::Integral;
 pub use mips::{Level, mips};
 pub use normal::Normal;
 pub use operator::{Axis, Operator};

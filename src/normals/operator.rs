@@ -136,9 +136,7 @@ impl<T: Real> Operator<T> {
     /// What the wave exp(i (k_s s + k_t t)) is multiplied by, k in radians per texel: i k_s or i k_t, were the
     /// stencil exact. It holds for waves that wrap.
     pub fn symbol(&self, axis: Axis, [k_s, k_t]: [f64; 2]) -> Complex<f64> {
-        let (k, other) = if axis == Axis::S { (k_s, k_t) } else { (k_t, k_s) };
-        let [along, across, left] = &self.taps;
-        wave(along, k) * wave(across, other) / wave(left, k)
+        symbol_of(&self.taps, axis, [k_s, k_t])
     }
 
     /// One line map after the other: they act on different axes, so their order is free.
@@ -180,6 +178,15 @@ impl<T: Real> Operator<T> {
             MatMut::from_row_major_slice_mut(y, height, width),
         ))
     }
+}
+
+pub(super) fn symbol(stencil: &Stencil, axis: Axis, k: [f64; 2]) -> Complex<f64> {
+    symbol_of(&[stencil.along, stencil.across, stencil.left], axis, k)
+}
+
+fn symbol_of([along, across, left]: &[Taps; 3], axis: Axis, [k_s, k_t]: [f64; 2]) -> Complex<f64> {
+    let (k, other) = if axis == Axis::S { (k_s, k_t) } else { (k_t, k_s) };
+    wave(along, k) * wave(across, other) / wave(left, k)
 }
 
 fn wave(taps: &Taps, k: f64) -> Complex<f64> {

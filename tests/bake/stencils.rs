@@ -14,7 +14,13 @@ const fn taps<const N: usize>(first: isize, weights: [(i64, i64); N]) -> Taps {
 
 const ONE: Taps = taps(0, [(1, 1)]);
 
-const fn stencil(title: &'static str, order: usize, along: Taps, across: Taps, left: Taps) -> Stencil<'static> {
+const fn stencil(
+    title: &'static str,
+    order: usize,
+    along: Taps,
+    across: Taps,
+    left: Taps,
+) -> Stencil<'static> {
     Stencil { title, cite: "", note: "", order, digits: 0, at: D::ZERO, along, across, left }
 }
 
@@ -38,10 +44,8 @@ pub const CENTRAL8: Stencil = stencil(
     ONE,
 );
 /// Lives half a texel further.
-pub const FORWARD2: Stencil = Stencil {
-    at: D::of(0.5),
-    ..stencil("forward2", 2, taps(0, [(-1, 1), (1, 1)]), ONE, ONE)
-};
+pub const FORWARD2: Stencil =
+    Stencil { at: D::of(0.5), ..stencil("forward2", 2, taps(0, [(-1, 1), (1, 1)]), ONE, ONE) };
 pub const SOBEL3: Stencil = stencil("sobel3", 2, HALVES, taps(-1, [(1, 4), (1, 2), (1, 4)]), ONE);
 pub const SCHARR3: Stencil = stencil("scharr3", 2, HALVES, taps(-1, [(3, 16), (5, 8), (3, 16)]), ONE);
 /// Farid and Simoncelli (2004), five taps, rounded to rationals; the difference's first moment is 1.
@@ -49,10 +53,7 @@ pub const FARID5: Stencil = stencil(
     "farid5",
     2,
     taps(-2, [(-109604, 1000000), (-280792, 1000000), (0, 1), (280792, 1000000), (109604, 1000000)]),
-    taps(
-        -2,
-        [(37659, 1000000), (249153, 1000000), (426376, 1000000), (249153, 1000000), (37659, 1000000)],
-    ),
+    taps(-2, [(37659, 1000000), (249153, 1000000), (426376, 1000000), (249153, 1000000), (37659, 1000000)]),
     ONE,
 );
 /// Lele (1992), alpha = 1/3.
