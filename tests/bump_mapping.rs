@@ -3,6 +3,7 @@
 use kutta::normals::bump::{forward_slopes, from_colour, texture_normal, to_colour};
 use kutta::normals::frame::Frame;
 use kutta::normals::parallax::{parallax, parallax_limited};
+use kutta::normals::{Bake, Heights, stencils};
 use nalgebra::{Rotation3, Vector2, Vector3};
 use proptest::prelude::*;
 
@@ -84,6 +85,21 @@ fn the_lectures_precomputation() {
     assert_eq!(stored(0, 0, -1.0), v(0.75, 0.875, 1.0));
     assert_eq!(from_colour(stored(0, 0, 1.0)), v(-0.5, -0.75, 1.0));
     assert_eq!(to_colour(V::z()), v(0.5, 0.5, 1.0));
+}
+
+/// The same from the bake: forward2 is the lecture's difference, and its first row of texels is the top one.
+#[test]
+fn the_lectures_slopes_are_those_of_forward2() {
+    let b = [[0.25, 0.0, 0.5], [0.75, 0.5, 1.0], [0.0, 0.5, 0.25f32]];
+    let heights = Heights::new(b.as_flattened(), 3, 3).unwrap();
+    let at = |s: isize, t: isize| b[(2 - t).rem_euclid(3) as usize][s.rem_euclid(3) as usize];
+    for scale in [1.0f32, -2.0] {
+        let slopes = Bake::new(&stencils::FORWARD2).height_scale(scale.into()).slopes(&heights).unwrap();
+        for (i, slope) in slopes.iter().enumerate() {
+            let lecture = forward_slopes(at, (i % 3) as isize, 2 - (i / 3) as isize);
+            assert_eq!(*slope, lecture.map(|b| scale * b), "texel {i}");
+        }
+    }
 }
 
 /// A raised plane: parallax is exact, and goes towards the eye.

@@ -154,6 +154,50 @@ fn bake_writes_mips_and_the_error_map() {
     assert!(angles[64 * 128 + 64] < 0.05, "{}", angles[64 * 128 + 64]);
 }
 
+/// Of 8-bit heights a high order sees the steps; of finer ones nothing is said.
+#[test]
+fn bake_says_what_8_bit_heights_are_good_for() {
+    let folder = Folder::new("advice");
+    // A wave 64 texels long, 20 high: its steps of 20/255 are 0.08 texels, so central8, of gain 1.17, errs by
+    // 1.17 x 0.08 / sqrt(12) = 0.027 radians or 1.5 degrees. Of itself it errs by next to nothing.
+    let wave = |i: usize| 0.5 + 0.5 * ((i % 64) as f32 * std::f32::consts::TAU / 64.0).sin();
+    let eight = folder.path("wave.u8");
+    fs::write(&eight, (0..64 * 64).map(|i| (wave(i) * 255.0).round() as u8).collect::<Vec<_>>()).unwrap();
+    let float = folder.raw("wave.f32", (0..64 * 64).map(wave));
+    let out = folder.path("out.png");
+    let bake = |height: &str| {
+        printed(&["bake", height, &out, "--size", "64x64", "--stencil", "central8", "--height-scale", "20"])
+    };
+    let lines = bake(&eight);
+    let advice = lines.lines().nth(1).expect("a second line");
+    assert!(
+        advice.starts_with("8-bit heights: ") && advice.contains("a higher order is pointless"),
+        "{advice}"
+    );
+    assert!(advice.contains("would serve better"), "{advice}");
+    let degrees: f64 = advice.split(" degrees").next().unwrap().rsplit(' ').next().unwrap().parse().unwrap();
+    assert!((degrees - 1.5).abs() < 0.05, "{advice}");
+    assert_eq!(bake(&float).lines().count(), 1);
+}
+
+/// A stencil file of one's own, and one that is wrong.
+#[test]
+fn bake_takes_a_stencil_file() {
+    let folder = Folder::new("stencil");
+    let shipped = concat!(env!("CARGO_MANIFEST_DIR"), "/tableaus/stencils/central2.toml");
+    let mine = folder.path("mine.toml");
+    fs::copy(shipped, &mine).unwrap();
+    let [a, b] = [("a.png", "central2"), ("b.png", &mine)].map(|(out, stencil)| {
+        printed(&["bake", "docs/dome.png", &folder.path(out), "--height-scale", "24", "--stencil", stencil]);
+        fs::read(folder.path(out)).unwrap()
+    });
+    assert!(a == b);
+    fs::write(&mine, fs::read_to_string(shipped).unwrap().replace("1/2", "1/3")).unwrap();
+    let line = complaint(&["bake", "docs/dome.png", &folder.path("c.png"), "--stencil", &mine]);
+    assert!(line.starts_with(&mine), "{line}");
+    assert_eq!(folder.names(), ["a.png", "b.png", "mine.toml"]);
+}
+
 /// The dome of `docs/`: a cap of a sphere of radius 60, whose base has a radius of 48, in 128 x 128 texels.
 const DOME: [&str; 4] = ["docs/dome.png", "--height-scale", "24", "--pixels"];
 

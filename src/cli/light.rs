@@ -128,7 +128,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let mut file = file;
     write(&mut file, Format::Png, width, Pixels::Rgb8(&picture), |_| ()).map_err(failed)?;
     file.finish().map_err(|error| failed(error.to_string()))?;
-    let names: Vec<_> = args.modes.iter().map(|mode| clap::ValueEnum::to_possible_value(mode)).collect();
+    let names: Vec<_> = args.modes.iter().map(clap::ValueEnum::to_possible_value).collect();
     let names: Vec<_> = names.iter().flatten().map(|value| value.get_name()).collect();
     print(&format!("{out}: {width} x {height} pixels: {}\n", names.join(", ")))
 }

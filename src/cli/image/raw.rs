@@ -8,7 +8,7 @@ pub fn read(mut file: impl BufRead, length: u64, size: Size) -> Result<Grey, Str
     // Before the product, which might overflow.
     check(width as u64, height as u64, 0, length)?;
     let texels = (width * height) as u64;
-    let bytes = if length % texels == 0 { length / texels } else { 0 };
+    let bytes = if length.is_multiple_of(texels) { length / texels } else { 0 };
     if ![1, 2, 4].contains(&bytes) {
         return Err(format!(
             "{length} bytes: {width} x {height} raw texels are {texels}, {} or {} (u8, u16, f32)",
