@@ -1,13 +1,18 @@
 //! The command line: one file for each command.
 
+mod bake;
 mod check;
 mod compare;
 mod grid;
+mod image;
+mod light;
 mod list;
 mod plot;
+mod relief;
 mod show;
 mod solve;
 mod stencils;
+mod whole;
 mod words;
 
 use clap::{Parser, Subcommand};
@@ -39,6 +44,8 @@ enum Command {
     /// Solve a problem of the catalogue
     Solve(solve::Args),
     Compare(compare::Args),
+    Bake(bake::Args),
+    Light(light::Args),
 }
 
 /// Why a command fails, in one line.
@@ -59,6 +66,8 @@ pub fn main() -> ExitCode {
             Command::Stencils(args) => stencils::run(args),
             Command::Solve(args) => solve::run(args),
             Command::Compare(args) => compare::run(args),
+            Command::Bake(args) => bake::run(args),
+            Command::Light(args) => light::run(args),
         },
     };
     match done {
