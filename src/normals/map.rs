@@ -5,8 +5,9 @@ use super::mix::{Mix, Mixes};
 use super::normal::sealed::Write;
 use super::normal::{CHUNK, Pack};
 use super::operator::Axis;
-use super::simd::Simd;
+use super::simd::{Kernel, Simd};
 use super::stream::{self, Bytes};
+use crate::step::scalar::Arith;
 
 /// Maps of more bytes than this are stored past the cache.
 const CACHE: usize = 4 << 20;
@@ -25,12 +26,21 @@ pub(super) struct Map<'a, H> {
 }
 
 /// What one thread works in.
-struct Work<W> {
+struct Work {
     x: Vec<f32>,
     y: Vec<f32>,
     mixed: Vec<f32>,
     packed: Vec<u32>,
-    staged: Vec<W>,
+}
+
+struct Finite<'a, H>(&'a [H]);
+
+impl<H: Height> Kernel for Finite<'_, H> {
+    type Output = bool;
+    #[inline(always)]
+    fn run<A: Arith>(self) -> bool {
+        H::all_finite(self.0)
+    }
 }
 
 impl<H: Height> Map<'_, H> {
@@ -60,7 +70,7 @@ impl<H: Height> Map<'_, H> {
         band((0, out))
     }
 
-    fn work<W: Default + Clone>(&self) -> Work<W> {
+    fn work(&self) -> Work {
         let most = |mixes: &[Mixes; 2]| mixes[0].reach[0] + mixes[0].reach[1];
         let reach = most(&self.along).max(most(&self.across));
         Work {
@@ -68,37 +78,34 @@ impl<H: Height> Map<'_, H> {
             y: vec![0.0; CHUNK],
             mixed: vec![0.0; CHUNK + reach],
             packed: vec![0; CHUNK],
-            staged: vec![W::default(); CHUNK],
         }
     }
 
-    fn chunk<W: Write + Bytes>(
+    fn chunk<W: Write + Bytes + Default>(
         &self,
         y: usize,
         x0: usize,
         out: &mut [W],
         past: bool,
-        work: &mut Work<W>,
+        work: &mut Work,
     ) -> bool {
         let n = out.len();
         let [along_s, along_t] = &self.along;
         let [across_s, across_t] = &self.across;
         self.sum(y, x0, across_t, along_s, &mut work.x[..n], &mut work.mixed);
         self.sum(y, x0, along_t, across_s, &mut work.y[..n], &mut work.mixed);
-        let staged = if past { &mut work.staged[..n] } else { &mut *out };
-        let (x, packed) = (&work.x[..n], &mut work.packed);
-        let pack = Pack { best: self.best, x, y: &work.y[..n], work: packed, out: staged };
+        // A row that is new to the cache is on its way while this one is worked out.
+        let next = (y + 1 + along_t.reach[1].max(across_t.reach[1])).min(self.heights.height - 1);
+        stream::prefetch(&self.heights.row(next)[x0..x0 + n]);
+        let (x, slopes_t) = (&work.x[..n], &work.y[..n]);
+        let pack = Pack { best: self.best, past, x, y: slopes_t, work: &mut work.packed, out };
         if !self.simd.run(pack) {
-            for (i, out) in staged.iter_mut().enumerate() {
+            for (i, out) in out.iter_mut().enumerate() {
                 let [x, y] = self.slope(x0 + i, y);
                 *out = W::one(x, y, self.best);
             }
         }
-        if past {
-            // SAFETY: the band ends with a fence.
-            unsafe { stream::copy(&work.staged[..n], out) };
-        }
-        H::all_finite(&self.heights.row(y)[x0..x0 + n])
+        self.simd.run(Finite(&self.heights.row(y)[x0..x0 + n]))
     }
 
     /// The weights down the column, then those along the row, of a run of texels.
@@ -124,8 +131,12 @@ impl<H: Height> Map<'_, H> {
                 along.inner().sum(self.simd, out, |dx| &mixed[shift(before, dx)..][..to - from]);
             }
         }
-        for x in (x0..from.max(x0)).chain(to.max(from)..end) {
-            out[x - x0] = self.point(x, y, column, along.of(x)) as f32;
+        let one = |x: usize| match down.line.identity() {
+            true => along.of(x).single(fetch(0), x),
+            false => self.point(x, y, column, along.of(x)) as f32,
+        };
+        for x in (x0..from).chain(to.max(from)..end) {
+            out[x - x0] = one(x);
         }
     }
 
