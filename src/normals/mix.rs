@@ -55,9 +55,9 @@ impl Mix {
     }
 
     /// The offsets it touches.
-    pub(super) fn touches(&self, mut touched: impl FnMut(isize) -> bool) -> bool {
+    pub(super) fn touches(&self, touched: impl FnMut(isize) -> bool) -> bool {
         let pair = self.pairs.iter().flat_map(|&(plus, minus, _)| [plus, minus]);
-        pair.chain(self.singles.iter().map(|single| single.0)).any(|at| touched(at))
+        pair.chain(self.singles.iter().map(|single| single.0)).any(touched)
     }
 
     /// The sums of a run: `fetch(offset)` gives the run that lies at that offset.
