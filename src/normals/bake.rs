@@ -226,7 +226,7 @@ impl<'s> Bake<'s> {
         }
     }
 
-    fn map<'a, H: Height>(&self, heights: Heights<'a, H>, scale: [D; 2]) -> Map<'a, H> {
+    pub(super) fn map<'a, H: Height>(&self, heights: Heights<'a, H>, scale: [D; 2]) -> Map<'a, H> {
         let [width, height] = heights.size();
         let lines = |axis, n, i: usize| operator::lines(self.stencil, axis, n, self.border[i], scale[i]);
         let [along_s, across_s] = lines(Axis::S, width, 0).map(Mixes::new);
