@@ -173,7 +173,7 @@ impl<'s> Bake<'s> {
     }
 
     /// A compact stencil couples every texel of a line: the whole map at once, in `f64`.
-    fn run_compact<H: Height, W: Write>(
+    fn run_compact<H: Height, W: Write + Bytes + Default>(
         &self,
         heights: &Heights<H>,
         scale: [D; 2],
@@ -208,14 +208,15 @@ impl<'s> Bake<'s> {
     }
 
     /// Packs slopes that have their signs.
-    fn pack_slopes<W: Write>(&self, slope: impl Fn(usize) -> [f64; 2], out: &mut [W]) {
+    fn pack_slopes<W: Write + Bytes + Default>(&self, slope: impl Fn(usize) -> [f64; 2], out: &mut [W]) {
         let simd = Simd::widest();
         let (mut x, mut y, mut work) = (vec![0.0; CHUNK], vec![0.0; CHUNK], vec![0; CHUNK]);
         for (first, out) in (0..).step_by(CHUNK).zip(out.chunks_mut(CHUNK)) {
             for i in 0..out.len() {
                 [x[i], y[i]] = slope(first + i).map(|x| x as f32);
             }
-            let pack = Pack { best: self.best_fit, x: &x[..out.len()], y: &y, work: &mut work, out };
+            let (x, y) = (&x[..out.len()], &y[..out.len()]);
+            let pack = Pack { best: self.best_fit, past: false, x, y, work: &mut work, out };
             if !simd.run(pack) {
                 for (i, out) in out.iter_mut().enumerate() {
                     let [x, y] = slope(first + i);
@@ -225,7 +226,7 @@ impl<'s> Bake<'s> {
         }
     }
 
-    fn map<'a, H: Height>(&self, heights: Heights<'a, H>, scale: [D; 2]) -> Map<'a, H> {
+    pub(super) fn map<'a, H: Height>(&self, heights: Heights<'a, H>, scale: [D; 2]) -> Map<'a, H> {
         let [width, height] = heights.size();
         let lines = |axis, n, i: usize| operator::lines(self.stencil, axis, n, self.border[i], scale[i]);
         let [along_s, across_s] = lines(Axis::S, width, 0).map(Mixes::new);

@@ -28,13 +28,14 @@ pub fn mips(slopes: Vec<[f32; 2]>, width: usize, height: usize) -> Result<Vec<Le
         }
         let (width, height) = ((last.width / 2).max(1), (last.height / 2).max(1));
         // A part of a mean is no mean of a part: what does not divide is taken from the first level.
-        let whole = last.width % width == 0 && last.height % height == 0 && divides(first, last);
+        let whole =
+            last.width.is_multiple_of(width) && last.height.is_multiple_of(height) && divides(first, last);
         levels.push(mean(if whole { last } else { first }, width, height));
     }
 }
 
 fn divides(first: &Level, last: &Level) -> bool {
-    first.width % last.width == 0 && first.height % last.height == 0
+    first.width.is_multiple_of(last.width) && first.height.is_multiple_of(last.height)
 }
 
 /// The texels that part i of n covers on a line of `size`, with the part of each that it covers.

@@ -47,10 +47,17 @@ impl Mix {
         pairs.chain(singles).sum()
     }
 
+    /// The sum of texel x of a row.
+    pub(super) fn single<E: Height>(&self, row: &[E], x: usize) -> f32 {
+        let fetch = |at: isize| row[(x as isize + at) as usize].steps();
+        let pairs = self.pairs.iter().map(|&(plus, minus, w)| w * (fetch(plus) - fetch(minus)));
+        pairs.chain(self.singles.iter().map(|&(at, w)| w * fetch(at))).sum()
+    }
+
     /// The offsets it touches.
-    pub(super) fn touches(&self, mut touched: impl FnMut(isize) -> bool) -> bool {
+    pub(super) fn touches(&self, touched: impl FnMut(isize) -> bool) -> bool {
         let pair = self.pairs.iter().flat_map(|&(plus, minus, _)| [plus, minus]);
-        pair.chain(self.singles.iter().map(|single| single.0)).any(|at| touched(at))
+        pair.chain(self.singles.iter().map(|single| single.0)).any(touched)
     }
 
     /// The sums of a run: `fetch(offset)` gives the run that lies at that offset.

@@ -31,6 +31,18 @@ impl Simd {
         Simd::Plain
     }
 
+    /// All that this machine has.
+    #[cfg(test)]
+    pub(super) fn all() -> Vec<Self> {
+        let mut all = vec![Simd::Plain];
+        #[cfg(target_arch = "x86_64")]
+        {
+            all.extend(pulp::x86::V3::try_new().map(Simd::V3));
+            all.extend(pulp::x86::V4::try_new().map(Simd::V4));
+        }
+        all
+    }
+
     #[inline(always)]
     pub(super) fn run<K: Kernel>(self, kernel: K) -> K::Output {
         match self {

@@ -36,8 +36,8 @@ impl<T: Real> Tridiagonal<T> {
         let cyclic = n > 2 && (low.hi() != 0.0 || high.hi() != 0.0);
         let g = -rows[0][1];
         if cyclic {
-            rows[0][1] = rows[0][1] - g;
-            rows[n - 1][1] = rows[n - 1][1] - low * high / g;
+            rows[0][1] -= g;
+            rows[n - 1][1] -= low * high / g;
         }
         let mut pivot = Vec::with_capacity(n);
         let mut upper: Vec<D> = Vec::with_capacity(n);
