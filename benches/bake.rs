@@ -1,14 +1,10 @@
 //! Megapixels per second of 4096 x 4096 bakes, through the public API, beside what the memory allows: the same
-//! bytes read and written, measured in the same rounds. The feature `rayon` adds a
-//! second thread.
+//! bytes read and written, measured in the same rounds. The feature `rayon` adds a second thread.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use kutta::normals::{Bake, Height, Heights, Normal, Stencil};
+use kutta::normals::{Bake, Height, Heights, Normal, Stencil, stencils};
 use std::hint::black_box;
 use std::time::Instant;
-
-#[path = "../tests/bake/stencils.rs"]
-mod stencils;
 
 const SIZE: usize = 4096;
 const ROUNDS: usize = 12;
@@ -82,11 +78,11 @@ fn table<N: Normal, H: Height, const BYTES: usize>(
     plain: &mut [[u8; BYTES]],
 ) -> Vec<f64> {
     let heights = Heights::new(heights, SIZE, SIZE).expect("as many texels as the size says");
-    let mut best = vec![f64::INFINITY; 1 + stencils::ALL.len()];
+    let mut best = vec![f64::INFINITY; 1 + stencils::all().len()];
     for _ in 0..ROUNDS {
         best[0] = best[0].min(seconds(|| bound::run_all(floats, plain)));
-        for (best, stencil) in best[1..].iter_mut().zip(&stencils::ALL).filter(|(_, s)| explicit(s)) {
-            let bake = Bake::new(stencil);
+        for (best, entry) in best[1..].iter_mut().zip(stencils::all()).filter(|(_, e)| explicit(e.stencil)) {
+            let bake = Bake::new(entry.stencil);
             *best = best.min(seconds(|| bake.normals_into(&heights, out).expect("finite heights")));
         }
     }
@@ -127,7 +123,7 @@ fn bake(c: &mut Criterion) {
     print!("{:10}", "");
     all.iter().enumerate().for_each(|(i, _)| print!(" {:>16}", columns[i % 3]));
     println!();
-    let names = std::iter::once("bound").chain(stencils::ALL.iter().map(|stencil| stencil.title));
+    let names = std::iter::once("bound").chain(stencils::all().iter().map(|entry| entry.name));
     for (row, name) in names.enumerate().filter(|(row, _)| all[0][*row] > 0.0) {
         print!("{name:10}");
         all.iter().for_each(|speed| print!(" {:>9.0} ({:3.0} %)", speed[row], 100.0 * speed[row] / speed[0]));

@@ -3,13 +3,9 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use image::{ImageBuffer, Luma, Rgb, RgbImage};
-use kutta::normals::{Bake, Border, Heights};
+use kutta::normals::{Bake, Border, Heights, stencils};
 use std::hint::black_box;
 use std::time::Instant;
-
-#[path = "../../../tests/bake/stencils.rs"]
-#[allow(dead_code)]
-mod stencils;
 
 const SIZE: u32 = 4096;
 
