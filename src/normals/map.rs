@@ -209,7 +209,7 @@ mod tests {
             let all: Vec<_> = all.collect();
             for (a, b) in all[1..].iter().flat_map(|other| all[0].iter().zip(other)) {
                 // Two channels leave z to a root.
-                let stored = if size_of::<N>() % 3 == 0 { 3 } else { 2 };
+                let stored = if size_of::<N>().is_multiple_of(3) { 3 } else { 2 };
                 assert!(a[..stored].iter().zip(b).all(|(a, b)| (a - b).abs() < 1.01 * level));
             }
         }
