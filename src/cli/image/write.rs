@@ -27,7 +27,6 @@ impl Format {
 /// Pixels of one kind, rows from the top.
 #[derive(Clone, Copy, Debug)]
 pub enum Pixels<'p> {
-    Grey16(&'p [u16]),
     GreyF32(&'p [f32]),
     Rgb8(&'p [[u8; 3]]),
     Rgb16(&'p [[u16; 3]]),
@@ -40,7 +39,6 @@ pub enum Pixels<'p> {
 impl Pixels<'_> {
     fn len(&self) -> usize {
         match self {
-            Self::Grey16(all) => all.len(),
             Self::GreyF32(all) => all.len(),
             Self::Rgb8(all) => all.len(),
             Self::Rgb16(all) => all.len(),
@@ -55,7 +53,6 @@ impl Pixels<'_> {
     fn bytes(&self, range: std::ops::Range<usize>, png: bool, out: &mut Vec<u8>) {
         let word = |x: u16| if png { x.to_be_bytes() } else { x.to_le_bytes() };
         match self {
-            Self::Grey16(all) => out.extend(all[range].iter().flat_map(|x| word(*x))),
             Self::GreyF32(all) => out.extend(all[range].iter().flat_map(|x| x.to_le_bytes())),
             Self::Rgb8(all) => out.extend(all[range].as_flattened()),
             Self::Rgb16(all) => out.extend(all[range].as_flattened().iter().flat_map(|x| word(*x))),
@@ -92,7 +89,6 @@ pub fn write(
     match format {
         Format::Png => {
             let (colour, depth) = match pixels {
-                Pixels::Grey16(_) => (ColorType::Grayscale, BitDepth::Sixteen),
                 Pixels::Rgb8(_) | Pixels::Rg8(_) => (ColorType::Rgb, BitDepth::Eight),
                 Pixels::Rgb16(_) | Pixels::Rg16(_) => (ColorType::Rgb, BitDepth::Sixteen),
                 Pixels::F32(_) | Pixels::GreyF32(_) => return Err("a PNG holds no floats".to_string()),
