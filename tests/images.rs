@@ -287,7 +287,7 @@ fn what_is_written_is_read_back() {
         (info.color_type, info.bit_depth, bytes)
     };
     use png::BitDepth::{Eight, Sixteen};
-    use png::ColorType::{Grayscale, Rgb};
+    use png::ColorType::Rgb;
     assert_eq!(png_of(Pixels::Rgb8(&[[1, 2, 3], [4, 5, 6]])), (Rgb, Eight, vec![1, 2, 3, 4, 5, 6]));
     assert_eq!(png_of(Pixels::Rg8(&[[1, 2], [4, 5]])), (Rgb, Eight, vec![1, 2, 0, 4, 5, 0]));
     assert_eq!(
