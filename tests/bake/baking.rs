@@ -60,14 +60,15 @@ fn every_packing<H: Height>(bake: &Bake, heights: &Heights<H>, exact: &[[f64; 3]
 
 #[test]
 fn the_fast_path_is_the_operator() {
-    let sizes = (1..=20).flat_map(|w| [(w, 1), (1, w), (w, w), (w, 21 - w)]);
+    let sizes = [1, 2, 3, 5, 8, 13, 20].into_iter().flat_map(|w| [(w, 1), (1, w), (w, w), (w, 21 - w)]);
     // Wider than a chunk and than a vector, too.
-    for (w, h) in sizes.chain([(513, 3), (1040, 2)]) {
+    for (w, h) in sizes.chain([(513, 2), (1040, 1)]) {
         let random = noise(w * h);
         let b8: Vec<u8> = random.iter().map(|b| (b * 256.0) as u8).collect();
         let b16: Vec<u16> = random.iter().map(|b| (b * 65536.0) as u16).collect();
         let b32: Vec<f32> = random.iter().map(|b| *b as f32).collect();
-        for (i, stencil) in ALL.iter().enumerate() {
+        // What takes long is left to every third stencil.
+        for (i, stencil) in ALL.iter().enumerate().step_by(if w > 20 { 3 } else { 1 }) {
             for (j, s) in BORDERS.into_iter().enumerate() {
                 let border = [s, BORDERS[(i + j + w) % 4]];
                 let green = if (i + j) % 2 == 0 { Green::Up } else { Green::Down };
