@@ -29,6 +29,25 @@
 //! - [`normals`]: normal maps from height maps, and what bump mapping needs around them; [`stencil!`] makes a
 //!   stencil of a file of yours.
 //!
+//! # Stiff problems
+//!
+//! ```
+//! use kutta::{methods::Rodas5p, solve};
+//!
+//! // Robertson (1966): rates from 0.04 to 3e7, hopeless for an explicit method.
+//! let robertson = |_t: f64, y: &[f64; 3], dy: &mut [f64; 3]| {
+//!     dy[0] = -0.04 * y[0] + 1e4 * y[1] * y[2];
+//!     dy[2] = 3e7 * y[1] * y[1];
+//!     dy[1] = -dy[0] - dy[2];
+//! };
+//! let run = solve(robertson, [1.0, 0.0, 0.0], 0.0..40.0).with(Rodas5p).rtol(1e-6).atol(1e-10).run()?;
+//! assert!((run.y[0] - 0.7158270687).abs() < 1e-6 && run.stats.accepted < 200);
+//! # Ok::<(), kutta::Stopped<[f64; 3]>>(())
+//! ```
+//!
+//! Any method with implicit stages will do; the Jacobian is found by differences unless
+//! [`Ivp::jacobian`] gives it.
+//!
 //! # Steps of one size, for a scene
 //!
 //! ```
@@ -46,6 +65,7 @@
 //! processor has them, so their last digits may differ between machines.
 
 pub mod compare;
+pub mod linear;
 pub mod methods;
 pub mod normals;
 pub mod problems;
@@ -53,6 +73,7 @@ mod solve;
 mod step;
 pub mod tableau;
 
+pub use linear::Jacobian;
 pub use solve::control::Controller;
 pub use solve::event::Crossing;
 pub use solve::ivp::{Ivp, solve, solve_second};
@@ -64,7 +85,7 @@ pub use step::method::{Loaded, Method};
 pub use step::norm::Tolerance;
 pub use step::scalar::{Real, Scalar};
 pub use step::state::{RealOf, State};
-pub use step::system::{OutOfDomain, System, Verdict};
+pub use step::system::{OutOfDomain, System, Verdict, WithJacobian};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

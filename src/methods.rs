@@ -41,6 +41,7 @@ pub(crate) const fn one_step(d: usize) -> [(&'static str, &'static Form); 9] {
             if let (name, Some(form)) = FORMS[i]
                 && form.d == d
                 && form.one_step()
+                && form.explicit()
                 && form.order >= order
                 && (found[order].1.s == 0 || form.s < found[order].1.s)
             {

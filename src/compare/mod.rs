@@ -129,6 +129,11 @@ impl<'w, Y: State<Scalar = f64> + 'w, S: System<Y> + Clone + 'w> Comparison<'w, 
         Self::of(problem, Posed { system: f, y0, v0: None, span })
     }
 
+    /// The same as [`new`](Self::new), for a struct that is a [`System`], which may know its Jacobian.
+    pub fn of_system(problem: &str, system: S, y0: Y, span: Range<f64>) -> Self {
+        Self::of(problem, Posed { system, y0, v0: None, span })
+    }
+
     /// Methods for y'' = f(t, y) from the position `y0` and the velocity `v0`. States of the reference and
     /// of the exact solution are the position followed by the velocity.
     pub fn second_order<R: Verdict>(problem: &str, f: S, y0: Y, v0: Y, span: Range<f64>) -> Self

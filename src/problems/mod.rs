@@ -23,7 +23,7 @@ pub use pollution::Pollution;
 pub use relaxation::{CurtissHirschfelder, ExponentialDecay, ProtheroRobinson};
 pub use springs::{HarmonicOscillator, SpringChain, StiffSpringOverdamped, StiffSpringUnderdamped};
 
-use crate::State;
+use crate::{Jacobian, OutOfDomain, State, System};
 use std::f64::consts::PI;
 
 /// An initial value problem y' = f(t, y), y(t0) = y0.
@@ -105,6 +105,22 @@ pub trait SecondOrder: Problem {
 
     /// a = f(t, x).
     fn acceleration(&self, t: f64, x: &Self::X, a: &mut Self::X);
+}
+
+/// A problem as a system with its Jacobian.
+#[derive(Clone, Copy, Debug)]
+pub struct Equation<P>(pub P);
+
+impl<P: Problem> System<P::Y> for Equation<P> {
+    #[inline(always)]
+    fn rhs(&mut self, t: f64, y: &P::Y, dy: &mut P::Y) -> Result<(), OutOfDomain> {
+        self.0.rhs(t, y, dy);
+        Ok(())
+    }
+    fn jacobian(&mut self, t: f64, y: &P::Y, j: &mut Jacobian<f64>) -> bool {
+        self.0.jacobian(t, y, |row, column, value| j[(row, column)] += value);
+        true
+    }
 }
 
 /// What to do with each problem, whatever its type.

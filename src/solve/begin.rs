@@ -1,11 +1,13 @@
 //! How a leg begins: its steps, the old states of a multistep method, the first slope, the first step.
 
+use super::blame::not_finite;
 use super::control::Control;
 use super::outcome::{Why, first_non_finite};
-use super::run::{Leg, Pace, not_finite};
+use super::run::{Leg, Pace};
 use super::start::{History, fill, first_step, starter, steps_behind};
 use super::steps::Steps;
 use super::watch::Flow;
+use crate::step::implicit::Solver;
 use crate::step::method::{Known, Method};
 use crate::step::row::form_of;
 use crate::step::scalar::{Plain, Real, Scalar};
@@ -65,7 +67,7 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
             let at = match (0..form.r).find(|&j| form.means[j] == Meaning::F(0)) {
                 Some(j) => j,
                 None => {
-                    known = form.stage[0].copies();
+                    known = form.starts_at_y();
                     let slope = &mut stepper.words_mut()[form.r];
                     system.rhs(self.t, &self.y, slope).map_err(|_| Why::OutOfDomain { stage: 0 })?;
                     self.stats.evaluations += 1;
@@ -76,7 +78,8 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
             if let Some(component) = first_non_finite(slope) {
                 return Err(Why::NonFinite { component, stage: Some(0) });
             }
-            let order = form.order.min(form.embedded[0].max(form.embedded[1]));
+            let embedded = if form.estimated() { form.s } else { form.embedded[0].max(form.embedded[1]) };
+            let order = form.order.min(embedded);
             let size = match self.options.step.take() {
                 Some(size) => size,
                 None => {
@@ -103,6 +106,8 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
             index: behind,
             steps,
             lost: RealOf::<Y>::zero(),
+            solver: (!form.explicit())
+                .then(|| Box::new(Solver::new(form, &self.y, &self.rules.tolerance, P::ADAPTIVE))),
             control: Control::new(self.controller, estimate_order(form)),
             stats: self.stats,
             known,
@@ -134,7 +139,7 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
             history.slopes.push(slope);
             self.stats.evaluations += first.form().s as u64;
             first
-                .attempt::<Plain, S>(&mut system, (self.t, next), h, false)
+                .attempt::<Plain, S>(&mut system, (self.t, next), h, false, &mut None)
                 .map_err(|refused| self.refused(refused.stage))?;
             if first_non_finite(first.next(0)).is_some()
                 && let Some(why) = not_finite(first.view())
@@ -214,6 +219,7 @@ fn estimate_order(form: &Form) -> usize {
     let of = |k: usize| form.embedded[k].min(form.order) + 1;
     match form.errors {
         2 if form.embedded[0] != form.embedded[1] => 2 * of(0) - of(1),
+        0 if form.estimated() => form.s + 1,
         0 => form.order + 1,
         _ => of(0),
     }

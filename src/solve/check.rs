@@ -24,7 +24,7 @@ pub(crate) fn check<Y: State>(
 ) -> Option<String> {
     let zero = RealOf::<Y>::zero();
     if form.s == 0 {
-        return Some(format!("{name} cannot be stepped yet: its stages are implicit"));
+        return Some(format!("{name} cannot be stepped yet: it is a pair for two right-hand sides"));
     }
     match (form.d, v0) {
         (2, None) => return Some(format!("{name} is for y'' = f(t, y): use solve_second with a velocity")),
@@ -52,7 +52,7 @@ pub(crate) fn check<Y: State>(
         }
     }
     if adaptive {
-        if form.errors == 0 {
+        if !form.adaptive() {
             return Some(format!("{name} has no error estimate: give it a step with .step(h)"));
         }
         if let Some(text) = tolerance(&options.tolerance, y0.as_slice().len()) {
@@ -105,9 +105,15 @@ pub(crate) fn check<Y: State>(
         }
         if let Some(starter) = &options.starter
             && steps_behind(form) > 0
-            && !(starter.form().one_step() && starter.form().d == form.d && starter.form().s > 0)
+            && !(starter.form().one_step()
+                && starter.form().explicit()
+                && starter.form().d == form.d
+                && starter.form().s > 0)
         {
-            return Some(format!("{} cannot start {name}: it needs a one-step method", starter.name()));
+            return Some(format!(
+                "{} cannot start {name}: it needs an explicit one-step method",
+                starter.name()
+            ));
         }
     }
     let forward = span.end > span.start;

@@ -6,12 +6,13 @@ use super::outcome::{Solution, Stopped};
 use super::run::{Adaptive, Fixed, Pace};
 use super::steps::Steps;
 use super::watch::Step;
+use crate::linear::Jacobian;
 use crate::methods::Tsit54;
 use crate::step::method::{Loaded, Method};
 use crate::step::norm::Tolerance;
 use crate::step::scalar::Real;
 use crate::step::state::{RealOf, State};
-use crate::step::system::{System, Verdict};
+use crate::step::system::{System, Verdict, WithJacobian};
 use std::marker::PhantomData;
 use std::ops::{ControlFlow, Range};
 
@@ -121,6 +122,16 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Ivp<'w, Y, S, M, P> {
         Ivp { system, y0, v0, span, method, options, pace }
     }
 
+    /// The derivatives of f: `jacobian(t, y, j)` writes df_i/dy_k into `j[(i, k)]`, zeros left out. Methods with
+    /// implicit stages take differences of f where there is none.
+    pub fn jacobian<J>(self, jacobian: J) -> Ivp<'w, Y, WithJacobian<S, J>, M, P>
+    where
+        J: FnMut(RealOf<Y>, &Y, &mut Jacobian<Y::Scalar>),
+    {
+        let Self { system, y0, v0, span, method, options, pace } = self;
+        Ivp { system: WithJacobian { system, jacobian }, y0, v0, span, method, options, pace }
+    }
+
     /// Steps of one size: `round(span / h)` of them, so that the last one ends where the span does.
     pub fn step(self, h: RealOf<Y>) -> Ivp<'w, Y, S, M, Fixed> {
         let Self { system, y0, v0, span, method, mut options, .. } = self;
@@ -197,7 +208,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Ivp<'w, Y, S, M, P> {
         const {
             assert!(
                 N::READ || N::FORM.is_some(),
-                "this method cannot be stepped yet: its stages are implicit"
+                "this method cannot be stepped yet: it is a pair for two right-hand sides"
             )
         };
         self.options.starter = Some(Loaded::of(starter.name(), starter.form()));

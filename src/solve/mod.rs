@@ -1,6 +1,7 @@
 //! From an initial value problem to a solution: options, the loop, what looks on, what comes back.
 
 mod begin;
+mod blame;
 mod check;
 pub(crate) mod control;
 mod dense;

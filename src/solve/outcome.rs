@@ -1,7 +1,9 @@
 //! What a run gives back: a solution, or why it stopped and everything computed so far.
 
+use crate::linear::Effort;
 use crate::step::scalar::Shown;
 use crate::step::state::{RealOf, State};
+use crate::step::stepper::{Refused, Unsolved};
 use std::fmt;
 
 /// Counts of a run.
@@ -9,6 +11,10 @@ use std::fmt;
 pub struct Stats {
     /// Evaluations of the right-hand side, those of the start and of dense output included.
     pub evaluations: u64,
+    /// Jacobians taken and matrices factored, by methods with implicit stages; iterations on their stages.
+    pub jacobians: u64,
+    pub factorizations: u64,
+    pub iterations: u64,
     pub accepted: u64,
     pub rejected: Rejections,
     /// The component that dominated most error-test rejections, by majority vote.
@@ -25,18 +31,47 @@ pub struct Rejections {
     pub non_finite: u64,
     /// The right-hand side refused a point ([`OutOfDomain`](crate::OutOfDomain)).
     pub domain: u64,
+    /// Newton's iteration on an implicit stage diverged or was too slow.
+    pub newton: u64,
+    /// The matrix of an implicit stage could not be factored.
+    pub singular: u64,
+}
+
+impl Stats {
+    /// Adds what the solver of the stages spent.
+    pub(crate) fn spend(&mut self, effort: Effort) {
+        self.evaluations += effort.evaluations;
+        self.jacobians += effort.jacobians;
+        self.factorizations += effort.factorizations;
+        self.iterations += effort.iterations;
+    }
+}
+
+impl Refused {
+    /// What stands in the way, should no smaller step avoid it.
+    pub(crate) fn reason(self) -> Why {
+        match self.why {
+            Unsolved::Domain => Why::OutOfDomain { stage: self.stage },
+            Unsolved::Diverged => Why::NewtonFailed { stage: self.stage },
+            Unsolved::Singular { component } => Why::Singular { component },
+            Unsolved::NonFinite { component } => Why::NonFinite { component, stage: Some(self.stage) },
+            Unsolved::Jacobian { component } => Why::Jacobian { component },
+        }
+    }
 }
 
 impl Rejections {
     pub fn total(&self) -> u64 {
-        self.error + self.non_finite + self.domain
+        self.error + self.non_finite + self.domain + self.newton + self.singular
     }
 
     /// One more, for this reason.
     pub(crate) fn count(&mut self, why: &Why) {
         match why {
             Why::OutOfDomain { .. } => self.domain += 1,
-            Why::NonFinite { .. } => self.non_finite += 1,
+            Why::NonFinite { .. } | Why::Jacobian { .. } => self.non_finite += 1,
+            Why::NewtonFailed { .. } => self.newton += 1,
+            Why::Singular { .. } => self.singular += 1,
             _ => self.error += 1,
         }
     }
@@ -106,6 +141,12 @@ pub enum Why {
     NonFinite { component: usize, stage: Option<usize> },
     /// The right-hand side refused the point and no smaller step avoids it.
     OutOfDomain { stage: usize },
+    /// A NaN or an infinity in this row of the Jacobian.
+    Jacobian { component: usize },
+    /// Newton's iteration on an implicit stage failed and no smaller step helped.
+    NewtonFailed { stage: usize },
+    /// The matrix of an implicit stage has no pivot in this column, and no smaller step helped.
+    Singular { component: usize },
     /// An event recurs faster and faster, like a ball that comes to rest.
     TooManyEvents { event: usize },
 }
@@ -140,6 +181,18 @@ impl fmt::Display for Why {
             }
             Why::OutOfDomain { stage } => {
                 write!(f, "the right-hand side refused the point of stage {stage}, however small the step")
+            }
+            Why::Jacobian { component } => {
+                write!(f, "the Jacobian has a NaN or an infinity in row {component}")
+            }
+            Why::NewtonFailed { stage } => {
+                write!(f, "Newton's iteration failed at stage {stage}, however small the step")
+            }
+            Why::Singular { component } => {
+                write!(
+                    f,
+                    "the matrix of the stages is singular in column {component}, however small the step"
+                )
             }
             Why::TooManyEvents { event } => write!(f, "event {event} recurs without end"),
         }

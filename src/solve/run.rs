@@ -1,8 +1,10 @@
 //! The loop: from a start to an end, step by step, fixed or adaptive.
 
+use super::blame::{first_slope_is_finite, not_finite, vote};
 use super::control::Control;
-use super::outcome::{Stats, Why, first_non_finite};
+use super::outcome::{Stats, Why};
 use super::watch::{Flow, Watch};
+use crate::step::implicit::Solver;
 use crate::step::method::{Known, Method};
 use crate::step::norm::Tolerance;
 use crate::step::row::form_of;
@@ -10,7 +12,7 @@ use crate::step::scalar::{Arith, Fused, Plain, Real, Rolled, Scalar};
 use crate::step::state::{RealOf, State};
 use crate::step::stepper::{Stepper, View, unseen_slope};
 use crate::step::system::System;
-use num_traits::{One, Zero};
+use num_traits::One;
 use std::marker::PhantomData;
 
 /// How the step is chosen: a type, so that only one of the two loops is compiled into a run.
@@ -62,6 +64,8 @@ pub(crate) struct Leg<M: Method, Y: State, S> {
     /// Adaptive: what rounding took from t so far.
     pub lost: RealOf<Y>,
     pub control: Control,
+    /// For implicit stages.
+    pub solver: Option<Box<Solver<Y>>>,
     pub stats: Stats,
     /// F_0 is there before the first attempt.
     pub known: bool,
@@ -128,12 +132,23 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
     watch: &mut Watch<'_, Y>,
 ) -> (Leg<M, Y, S>, Ended) {
     let Leg { mut stepper, mut system, mut t, end, stop, mut h, .. } = leg;
-    let Leg { origin, mut index, steps, mut lost, mut control, mut stats, mut known, mut last, .. } = leg;
+    let Leg {
+        origin,
+        mut index,
+        steps,
+        mut lost,
+        mut control,
+        mut solver,
+        mut stats,
+        mut known,
+        mut last,
+        ..
+    } = leg;
     let form = form_of(&stepper.method);
     let (stages, first_is_copy) = if const { Known::<M>::UNROLLED } {
-        (const { Known::<M>::FORM.s as u64 }, const { Known::<M>::FORM.stage[0].copies() })
+        (const { Known::<M>::FORM.s as u64 }, const { Known::<M>::FORM.starts_at_y() })
     } else {
-        (form.s as u64, form.stage[0].copies())
+        (form.s as u64, form.starts_at_y())
     };
     let unseen = if const { Known::<M>::UNROLLED } {
         const { unseen_slope(Known::<M>::FORM) }
@@ -143,6 +158,7 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
     let mut before = h;
     let longest = rules.max_step * (RealOf::<Y>::one() + RealOf::<Y>::from_f64(16.0) * RealOf::<Y>::EPSILON);
     let watching = watch.active();
+    let implicit = const { M::READ || !Known::<M>::FORM.explicit() } && solver.is_some();
     // The stage that was refused when the step was last cut, until the step grows again.
     let mut edge = None;
     // Steps of one size that nobody looks at: the method and nothing else. The one that fails, if one does, is
@@ -152,16 +168,22 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
         let from = index;
         while index + 1 < steps {
             let next = origin + RealOf::<Y>::from_f64((index + 1) as f64) * h;
-            let attempted = stepper.attempt::<A, S>(&mut system, (t, next), h, false);
+            let attempted = stepper.attempt::<A, S>(&mut system, (t, next), h, false, &mut solver);
             if attempted.is_err() || !all_finite(stepper.next(0).as_slice()) {
                 tried = Some(attempted);
                 break;
             }
             stepper.accept();
+            if implicit && let Some(solver) = &mut solver {
+                solver.moved();
+                stats.spend(std::mem::take(&mut solver.effort));
+            }
             (t, index, last) = (next, index + 1, h);
         }
         stats.accepted += index - from;
-        stats.evaluations += (index - from) * stages;
+        if !implicit {
+            stats.evaluations += (index - from) * stages;
+        }
     }
     let ended = loop {
         if P::ADAPTIVE && stats.accepted + stats.rejected.total() >= rules.max_steps {
@@ -177,7 +199,7 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
             } else {
                 if too_small(h, t, rules.min_step) {
                     break Ended::Failed(match edge {
-                        Some(stage) => Why::OutOfDomain { stage },
+                        Some(why) => why,
                         None => Why::StepTooSmall { limiting: stats.limiting },
                     });
                 }
@@ -190,17 +212,28 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
 
         let attempted = match tried.take() {
             Some(attempted) => attempted,
-            None => stepper.attempt::<A, S>(&mut system, (t, next), step, known),
+            None => stepper.attempt::<A, S>(&mut system, (t, next), step, known, &mut solver),
         };
         let next = if lands { stop } else { next };
-        stats.evaluations += stages - u64::from(known && first_is_copy);
+        if implicit && let Some(solver) = &mut solver {
+            stats.spend(std::mem::take(&mut solver.effort));
+        } else {
+            stats.evaluations += stages - u64::from(known && first_is_copy);
+        }
         // A second try finds the first slope in place; a step that failed in its first stage does not.
         known = false;
 
         let mut square = 0.0;
         let good = attempted.is_ok()
             && if P::ADAPTIVE {
-                square = stepper.error_square::<A>(step, &rules.tolerance).to_f64();
+                let made = match &mut solver {
+                    Some(solver) if implicit => solver.error_square(stepper.view(), &rules.tolerance),
+                    _ => None,
+                };
+                square = match made {
+                    Some(square) => square.to_f64(),
+                    None => stepper.error_square::<A>(step, &rules.tolerance).to_f64(),
+                };
                 if let Some(at) = unseen
                     && !all_finite(stepper.word(at).as_slice())
                 {
@@ -213,12 +246,19 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
         if !good {
             let why = match attempted {
                 Err(refused) => {
-                    stats.rejected.domain += 1;
-                    stats.evaluations -= stages - 1 - refused.stage as u64;
+                    let why = refused.reason();
+                    stats.rejected.count(&why);
+                    if !implicit {
+                        stats.evaluations -= stages - 1 - refused.stage as u64;
+                    }
                     known = refused.stage > 0 && first_is_copy;
-                    h = step * RealOf::<Y>::from_f64(control.refused());
-                    edge = Some(refused.stage);
-                    Why::OutOfDomain { stage: refused.stage }
+                    let factor = match why {
+                        Why::NonFinite { .. } | Why::Jacobian { .. } => control.rejected(f64::NAN),
+                        _ => control.refused(),
+                    };
+                    h = step * RealOf::<Y>::from_f64(factor);
+                    edge = Some(why.clone());
+                    why
                 }
                 Ok(()) => {
                     edge = None;
@@ -270,6 +310,9 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
             }
         }
         stepper.accept();
+        if implicit && let Some(solver) = &mut solver {
+            solver.moved();
+        }
         if watching
             && let Some(slope) = watch.end_slope()
             && first_is_copy
@@ -302,7 +345,26 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
             _ => {}
         }
     };
-    (Leg { stepper, system, t, end, stop, h, origin, index, steps, lost, control, stats, known, last }, ended)
+    (
+        Leg {
+            stepper,
+            system,
+            t,
+            end,
+            stop,
+            h,
+            origin,
+            index,
+            steps,
+            lost,
+            control,
+            solver,
+            stats,
+            known,
+            last,
+        },
+        ended,
+    )
 }
 
 /// The step does not move the time, or not as far as it must at least.
@@ -327,51 +389,4 @@ fn lend<M: Method, Y: State, T>(stepper: &Stepper<M, Y>, to: impl FnOnce(View<Y>
     } else {
         to(stepper.view())
     }
-}
-
-/// Names the stage and the component where the first NaN or infinity arose, if there is one.
-#[cold]
-#[inline(never)]
-pub(crate) fn not_finite<Y: State>(view: View<Y>) -> Option<Why> {
-    let form = view.form;
-    let stage =
-        (0..form.s).find_map(|stage| Some((first_non_finite(view.word(form.r + stage))?, Some(stage))));
-    let (component, stage) = stage.or_else(|| Some((first_non_finite(view.next(0))?, None)))?;
-    Some(Why::NonFinite { component, stage })
-}
-
-#[cold]
-#[inline(never)]
-fn first_slope_is_finite<Y: State>(view: View<Y>) -> bool {
-    first_non_finite(view.word(view.form.r)).is_none()
-}
-
-/// Boyer and Moore's majority vote over the components that dominate rejected steps.
-#[cold]
-#[inline(never)]
-fn vote<Y: State>(mut stats: Stats, view: View<Y>, h: RealOf<Y>, tolerance: &Tolerance<RealOf<Y>>) -> Stats {
-    let form = view.form;
-    let (x, y0, y1) = (view.read(), view.y().as_slice(), view.next(0).as_slice());
-    let row = &form.error[0];
-    let mut worst = (0, RealOf::<Y>::zero());
-    for i in 0..y0.len() {
-        let mut e = Y::Scalar::zero();
-        for j in 0..row.len {
-            e = e + x[row.at[j]].as_slice()[i].scale(h * RealOf::<Y>::of(row.a[j]));
-        }
-        let (rtol, atol) = tolerance.at(i);
-        let ratio = e.modulus() / (atol + rtol * y0[i].modulus().maximum(y1[i].modulus()));
-        if ratio > worst.1 {
-            worst = (i, ratio);
-        }
-    }
-    if stats.limiting == Some(worst.0) {
-        stats.votes += 1;
-    } else if stats.votes == 0 {
-        stats.limiting = Some(worst.0);
-        stats.votes = 1;
-    } else {
-        stats.votes -= 1;
-    }
-    stats
 }

@@ -6,7 +6,7 @@ use crate::methods;
 use crate::step::method::Loaded;
 use crate::step::scalar::{Real, Scalar};
 use crate::step::state::{RealOf, State};
-use crate::step::stepper::Refused;
+use crate::step::stepper::{Refused, Unsolved};
 use crate::step::system::System;
 use crate::tableau::{Form, Meaning};
 use num_traits::{One, Zero};
@@ -49,7 +49,9 @@ pub(crate) fn fill<Y: State>(
                 None => z.as_mut_slice().fill(Y::Scalar::zero()),
             },
             Meaning::F(0) => {
-                system.rhs(t, &history.ys[last], z).map_err(|_| Refused { stage: 0 })?;
+                system
+                    .rhs(t, &history.ys[last], z)
+                    .map_err(|_| Refused { stage: 0, why: Unsolved::Domain })?;
                 evaluations += 1;
             }
             Meaning::F(k) => z.as_mut_slice().copy_from_slice(history.slopes[last - k].as_slice()),

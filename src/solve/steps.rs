@@ -52,10 +52,10 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         const {
             assert!(
                 M::READ || M::FORM.is_some(),
-                "this method cannot be stepped yet: its stages are implicit"
+                "this method cannot be stepped yet: it is a pair for two right-hand sides"
             );
             if let Some(form) = M::FORM {
-                assert!(!P::ADAPTIVE || form.errors > 0, "no error estimate: give a step with `.step(h)`");
+                assert!(!P::ADAPTIVE || form.adaptive(), "no error estimate: give a step with `.step(h)`");
             }
         }
         let Ivp { system, y0, v0, span, method, mut options, .. } = ivp;

@@ -1,7 +1,11 @@
 //! One step of any method: what a state is, how a row is worked out, the one stepper.
 
+pub(crate) mod coupled;
+pub(crate) mod implicit;
+pub(crate) mod iteration;
 pub(crate) mod method;
 pub(crate) mod norm;
+pub(crate) mod rosenbrock;
 pub(crate) mod row;
 pub(crate) mod scalar;
 pub(crate) mod state;

@@ -96,7 +96,7 @@ const fn length<R: RowAt>() -> usize {
 
 /// One copy of every length for all rows that are read at run time.
 #[inline(never)]
-fn assemble_read<A: Arith, Y: State>(out: &mut Y, row: &Row, h: &[RealOf<Y>; 3], x: &[Y]) {
+pub(super) fn assemble_read<A: Arith, Y: State>(out: &mut Y, row: &Row, h: &[RealOf<Y>; 3], x: &[Y]) {
     by_length!(row.len, K => fill::<A, Y, K>(out, row, h, x));
 }
 

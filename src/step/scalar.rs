@@ -8,7 +8,20 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A component of a state: `f64`, `f32`, [`DoubleDouble`], or a complex number of the first two.
 pub trait Scalar:
-    Copy + Debug + Default + Send + Sync + Zero + PartialEq + Add<Output = Self> + Sub<Output = Self> + 'static
+    Copy
+    + Debug
+    + Default
+    + Send
+    + Sync
+    + Zero
+    + One
+    + PartialEq
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + 'static
 {
     /// The type of times, steps and coefficients.
     type Real: Real;
@@ -25,16 +38,7 @@ pub trait Scalar:
 }
 
 /// An ordered [`Scalar`]: `f64`, `f32` or [`DoubleDouble`].
-pub trait Real:
-    Scalar<Real = Self>
-    + PartialOrd
-    + One
-    + Display
-    + LowerExp
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
-{
+pub trait Real: Scalar<Real = Self> + PartialOrd + Display + LowerExp {
     const EPSILON: Self;
     /// What stands for a tolerance of zero: it divides a zero error to zero, and any other to a rejection,
     /// in steps of any size that a unit of time may ask for.

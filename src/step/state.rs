@@ -2,6 +2,7 @@
 
 use super::norm::Tolerance;
 use super::scalar::{Arith, Real, Scalar};
+use crate::linear::{Large, Pair, Small, Square};
 use num_traits::Zero;
 
 /// The real numbers of a state: its times, steps, tolerances.
@@ -10,10 +11,17 @@ pub type RealOf<Y> = <<Y as State>::Scalar as Scalar>::Real;
 /// A state of a system: a contiguous run of numbers.
 pub trait State: Clone {
     type Scalar: Scalar;
+    /// A matrix with a row and a column for each component.
+    type Square: Square<Self::Scalar>;
+    /// The same for pairs of components, and a vector of such.
+    type PairSquare: Square<Pair<Self::Scalar>>;
+    type Pairs: AsMut<[Pair<Self::Scalar>]> + Clone;
     /// Held by value, without the heap.
     const INLINE: bool;
 
     fn as_slice(&self) -> &[Self::Scalar];
+    /// As many pairs as components, of zeros.
+    fn pairs(&self) -> Self::Pairs;
     fn as_mut_slice(&mut self) -> &mut [Self::Scalar];
 
     /// `self = base + scale sum_j a(j) x(j)`, j < K, in one pass; without a scale it is one.
@@ -198,7 +206,13 @@ const SHORT: usize = 32;
 
 impl<T: Scalar, const N: usize> State for [T; N] {
     type Scalar = T;
+    type Square = Small<T, N>;
+    type PairSquare = Small<Pair<T>, N>;
+    type Pairs = [Pair<T>; N];
     const INLINE: bool = true;
+    fn pairs(&self) -> [Pair<T>; N] {
+        [Pair::zero(); N]
+    }
     #[inline(always)]
     fn as_slice(&self) -> &[T] {
         self
@@ -246,7 +260,13 @@ impl<T: Scalar, const N: usize> State for [T; N] {
 
 impl<T: Scalar + nalgebra::Scalar, const N: usize> State for nalgebra::SVector<T, N> {
     type Scalar = T;
+    type Square = Small<T, N>;
+    type PairSquare = Small<Pair<T>, N>;
+    type Pairs = [Pair<T>; N];
     const INLINE: bool = true;
+    fn pairs(&self) -> [Pair<T>; N] {
+        [Pair::zero(); N]
+    }
     #[inline(always)]
     fn as_slice(&self) -> &[T] {
         self.as_slice()
@@ -300,7 +320,13 @@ macro_rules! on_the_heap {
     ($t:ty, $view:ident => $slice:expr, $mut_slice:expr) => {
         impl<T: Scalar> State for $t {
             type Scalar = T;
+            type Square = Large<T>;
+            type PairSquare = Large<Pair<T>>;
+            type Pairs = Vec<Pair<T>>;
             const INLINE: bool = false;
+            fn pairs(&self) -> Vec<Pair<T>> {
+                vec![Pair::zero(); State::as_slice(self).len()]
+            }
             #[inline(always)]
             fn as_slice(&self) -> &[T] {
                 let $view = self;

@@ -1,5 +1,6 @@
 //! The one stepper: Runge–Kutta, Adams, predictor–corrector, Störmer–Verlet and Nyström methods.
 
+use super::implicit::Solver;
 use super::method::{Known, Method};
 use super::norm::Tolerance;
 use super::row::{
@@ -15,8 +16,24 @@ use std::marker::PhantomData;
 /// Why an attempted step has no result.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Refused {
-    /// The stage at which the right-hand side refused, from 0.
+    /// The stage that has none, from 0.
     pub stage: usize,
+    pub why: Unsolved,
+}
+
+/// Why a stage has no result.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Unsolved {
+    /// The right-hand side refused the point.
+    Domain,
+    /// Newton's iteration diverged or was too slow, with a Jacobian of this step.
+    Diverged,
+    /// The matrix I - h g J has no pivot in this column.
+    Singular { component: usize },
+    /// The right-hand side gave a NaN or an infinity in this component.
+    NonFinite { component: usize },
+    /// The Jacobian has one in this row.
+    Jacobian { component: usize },
 }
 
 /// What a stepper holds, whatever its method: code off the hot path is compiled once for a state.
@@ -121,7 +138,14 @@ impl<M: Method, Y: State> Stepper<M, Y> {
         (t, end): (RealOf<Y>, RealOf<Y>),
         h: RealOf<Y>,
         known: bool,
+        solver: &mut Option<Box<Solver<Y>>>,
     ) -> Result<(), Refused> {
+        if const { M::READ || !Known::<M>::FORM.explicit() }
+            && let Some(solver) = solver
+        {
+            let form = form_of(&self.method);
+            return solver.attempt(form, self.words.as_mut(), system, (t, end), h, known);
+        }
         let powers = powers(h);
         if const { Known::<M>::UNROLLED && A::UNROLLED } {
             let form = Known::<M>::FORM;
@@ -287,7 +311,7 @@ fn stage<A: Arith, Y: State, S: System<Y>, R: RowAt>(
         assemble::<A, Y, R>(&mut out[0], row, powers, x);
         system.rhs(t, &out[0], &mut x[r + i])
     };
-    verdict.map_err(|_| Refused { stage: i })
+    verdict.map_err(|_| Refused { stage: i, why: Unsolved::Domain })
 }
 
 const fn is_one(c: DoubleDouble) -> bool {
@@ -334,7 +358,7 @@ mod tests {
         }
         for i in 0..20 {
             let t = 0.1 * i as f64;
-            stepper.attempt::<A, _>(&mut pendulum, (t, t + 0.1), 0.1, false).unwrap();
+            stepper.attempt::<A, _>(&mut pendulum, (t, t + 0.1), 0.1, false, &mut None).unwrap();
             errors += stepper.error_square::<A>(0.1, &Tolerance::Scalar { rtol: 1e-6, atol: 1e-6 });
             stepper.accept();
             seen.push(*stepper.y());

@@ -1,6 +1,7 @@
 //! The right-hand side: a closure or a struct.
 
 use super::state::{RealOf, State};
+use crate::linear::Jacobian;
 
 /// The right-hand side refuses a point (a root of a negative number, a density below zero): the step
 /// is retried with a smaller size.
@@ -22,6 +23,31 @@ pub trait System<Y: State> {
     /// # Errors
     /// [`OutOfDomain`] where f is not defined.
     fn rhs(&mut self, t: RealOf<Y>, y: &Y, dy: &mut Y) -> Result<(), OutOfDomain>;
+
+    /// Writes df_i/dy_j, where the system knows it, and answers whether it does. Methods for stiff problems
+    /// take differences of f otherwise.
+    fn jacobian(&mut self, _t: RealOf<Y>, _y: &Y, _j: &mut Jacobian<Y::Scalar>) -> bool {
+        false
+    }
+}
+
+/// A system with its Jacobian in a closure of its own.
+pub struct WithJacobian<S, J> {
+    pub(crate) system: S,
+    pub(crate) jacobian: J,
+}
+
+impl<Y: State, S: System<Y>, J: FnMut(RealOf<Y>, &Y, &mut Jacobian<Y::Scalar>)> System<Y>
+    for WithJacobian<S, J>
+{
+    #[inline(always)]
+    fn rhs(&mut self, t: RealOf<Y>, y: &Y, dy: &mut Y) -> Result<(), OutOfDomain> {
+        self.system.rhs(t, y, dy)
+    }
+    fn jacobian(&mut self, t: RealOf<Y>, y: &Y, j: &mut Jacobian<Y::Scalar>) -> bool {
+        (self.jacobian)(t, y, j);
+        true
+    }
 }
 
 /// What a closure may answer: nothing, or whether the point was in the domain.

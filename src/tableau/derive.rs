@@ -4,7 +4,7 @@ use super::criteria::*;
 use super::double_double::DoubleDouble as D;
 use super::error::TableauError;
 use super::form::{Form, Meaning, Row};
-use super::lower::runge_kutta;
+use super::lower::{first_is_last, runge_kutta};
 use super::prove::prove_to;
 use super::roots::zero_stable;
 use super::series::{Defect, Forms, Solution, defects};
@@ -135,6 +135,11 @@ impl Tableau<'_> {
         }
     }
 
+    /// The first stage of a Runge-Kutta method is y and the last one y', found together with the others or not.
+    fn repeats(&self) -> bool {
+        matches!(&self.scheme, Scheme::RungeKutta(array) if first_is_last(array, &array.b, D::ONE))
+    }
+
     /// Whether it is for y'' = f(t, y).
     pub fn second_order(&self) -> bool {
         matches!(self.scheme, Scheme::Stormer(_) | Scheme::Nystrom { .. } | Scheme::Splitting(_))
@@ -191,10 +196,15 @@ impl Tableau<'_> {
             steppable: self.steppable(),
             second_order: self.second_order(),
             stages: self.stages(),
-            evaluations: form.as_ref().map_or(self.stages(), |form| form.s),
+            evaluations: match (&form, self.kind()) {
+                // Found together, but the first is the last of the step before.
+                (_, Stages::Full) => self.stages() - self.repeats() as usize,
+                (Some(form), _) => form.s,
+                (None, _) => self.stages(),
+            },
             order: self.order,
             dense: (self.dense_order > 0).then_some(self.dense_order),
-            fsal: !steps_back && form.as_ref().is_some_and(fsal),
+            fsal: !steps_back && (form.as_ref().is_some_and(fsal) || self.repeats()),
             stiffly_accurate: None,
             stage_order: None,
             principal_error: principal,

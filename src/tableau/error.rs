@@ -128,7 +128,7 @@ impl TableauError {
 
     pub(crate) fn not_steppable() -> Self {
         let text =
-            Text::new().str("its stages are implicit: it is read and proven, but cannot be stepped yet");
+            Text::new().str("it is a pair for two right-hand sides: read and proven, but not stepped yet");
         Self::new(Broken::NotSteppable, 0, 0.0, text)
     }
 

@@ -9,6 +9,7 @@
 //! Nothing is stored scaled by h: a term carries h to the power (power of its source - power of its
 //! target), where y has power 0, v = y' of a second-order equation 1, and f power d.
 
+use super::derive::Stages;
 use super::double_double::DoubleDouble as D;
 
 /// Most stages of a method, those of its dense output included.
@@ -166,6 +167,11 @@ pub struct Form {
     /// Dense output: y(t + theta h) = y + sum_k theta^k (row k-1), rows k = 1 ..= powers, no base.
     pub powers: usize,
     pub dense: [Row; POWERS],
+    /// A stage's F solves one linear equation with the Jacobian (Rosenbrock): `(I - h g J) F_i = g (f(Y_i) +
+    /// sum_j couple_ij F_j + h time_i df/dt)` with g its diagonal.
+    pub linear: bool,
+    pub couple: [[D; STAGES]; STAGES],
+    pub time: [D; STAGES],
     /// Extra stages of the dense output; stage s + i evaluates f at c[s + i], row stage[s + i].
     pub extra: usize,
 }
@@ -187,6 +193,9 @@ impl Form {
         dense_order: 0,
         powers: 0,
         dense: [Row::EMPTY; POWERS],
+        linear: false,
+        couple: [[D::ZERO; STAGES]; STAGES],
+        time: [D::ZERO; STAGES],
         extra: 0,
     };
 
@@ -195,23 +204,67 @@ impl Form {
         2 * self.r + self.s + 1
     }
 
-    /// An explicit form evaluates its stages one after the other.
-    pub const fn explicit(&self) -> bool {
-        let mut i = 0;
+    /// How the stages are found.
+    pub const fn stages(&self) -> Stages {
+        let (mut explicit, mut i) = (true, 0);
         while i < self.s + self.extra {
-            if self.stage[i].diagonal.hi() != 0.0 {
-                return false;
-            }
+            explicit = explicit && self.stage[i].diagonal.hi() == 0.0;
             let mut j = 0;
             while j < self.stage[i].len {
                 if self.stage[i].at[j] >= self.r + i {
-                    return false;
+                    return Stages::Full;
                 }
                 j += 1;
             }
             i += 1;
         }
-        true
+        match explicit {
+            true => Stages::Explicit,
+            false if self.linear => Stages::Linear,
+            false => Stages::Diagonal,
+        }
+    }
+
+    /// The first stage is y itself, so that its slope may be known before the step.
+    pub const fn starts_at_y(&self) -> bool {
+        self.stage[0].copies() && !matches!(self.stages(), Stages::Full)
+    }
+
+    /// The weights of the slopes in y', of a Runge-Kutta method.
+    pub fn weights(&self) -> Vec<D> {
+        let row = if self.carry[0].last_y { self.stage[self.s - 1] } else { self.carry[0] };
+        let mut weights = vec![D::ZERO; self.s];
+        (0..row.len).filter(|&j| row.at[j] >= self.r).for_each(|j| weights[row.at[j] - self.r] = row.a[j]);
+        if self.carry[0].last_y {
+            weights[self.s - 1] = row.diagonal;
+        }
+        weights
+    }
+
+    /// Without embedded rows, but with an estimate made of f at the start and the slopes, which stand at
+    /// distinct times after it: those of a fully implicit method.
+    pub const fn estimated(&self) -> bool {
+        let (mut i, mut apart) = (0, self.errors == 0 && self.r == 1);
+        while i < self.s {
+            apart = apart && self.c[i].hi() != 0.0;
+            let mut j = 0;
+            while j < i {
+                apart = apart && self.c[i].hi() != self.c[j].hi();
+                j += 1;
+            }
+            i += 1;
+        }
+        apart && matches!(self.stages(), Stages::Full)
+    }
+
+    /// Steps can be chosen from an error estimate.
+    pub const fn adaptive(&self) -> bool {
+        self.errors > 0 || self.estimated()
+    }
+
+    /// An explicit form evaluates its stages one after the other.
+    pub const fn explicit(&self) -> bool {
+        matches!(self.stages(), Stages::Explicit)
     }
 
     /// Nothing but states at t_n is carried, so the next step may have any size.

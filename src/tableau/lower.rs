@@ -6,10 +6,10 @@
 use super::double_double::DoubleDouble as D;
 use super::form::{CARRIED, Form, Meaning, POWERS, Row, STAGES};
 use super::history::{History, multistep, predictor_corrector};
+use super::linear::rosenbrock;
 use super::{Array, Scheme, Splitting, Tableau};
 
-/// The one form of a method. `None` where it has none: a Rosenbrock stage solves a linear system with the
-/// Jacobian inside, and pairs of tables step two right-hand sides.
+/// The one form of a method. `None` where it has none: pairs of tables step two right-hand sides.
 pub(super) const fn lower(t: &Tableau) -> Option<Form> {
     let mut form = BLANK;
     if lower_to(t, &mut form) { Some(form) } else { None }
@@ -19,7 +19,7 @@ pub(super) const fn lower(t: &Tableau) -> Option<Form> {
 /// is not copied from frame to frame.
 pub(super) const fn lower_to(t: &Tableau, form: &mut Form) -> bool {
     match &t.scheme {
-        Scheme::RungeKutta(array) => runge_kutta(t, array, true, form),
+        Scheme::RungeKutta(array) => runge_kutta(t, array, !full(array), form),
         Scheme::Multistep(steps) => multistep(t, steps, 1, form),
         Scheme::Stormer(steps) => multistep(t, steps, 2, form),
         Scheme::PredictorCorrector { predictor, corrector, evaluates } => {
@@ -30,7 +30,8 @@ pub(super) const fn lower_to(t: &Tableau, form: &mut Form) -> bool {
             let (array, bbar, end) = kicks(splitting);
             nystrom(t, &array, &bbar, end, form)
         }
-        Scheme::Rosenbrock { .. } | Scheme::Imex { .. } | Scheme::Partitioned { .. } => return false,
+        Scheme::Rosenbrock { alpha, gamma } => rosenbrock(t, alpha, gamma, form),
+        Scheme::Imex { .. } | Scheme::Partitioned { .. } => return false,
     }
     true
 }
@@ -124,8 +125,30 @@ pub(super) const fn runge_kutta(t: &Tableau, array: &Array, share: bool, form: &
     finish(t, form);
 }
 
+/// An entry stands above the diagonal: the stages are found together, and the first one is one of them.
+const fn full(array: &Array) -> bool {
+    let mut i = 0;
+    while i < array.stages {
+        let mut j = i + 1;
+        while j < array.stages {
+            if array.a[i][j].hi() != 0.0 {
+                return true;
+            }
+            j += 1;
+        }
+        i += 1;
+    }
+    false
+}
+
 /// base + h^power sum weights_i F_i, F_0 being source `from`.
-const fn slopes(base: Option<usize>, from: usize, weights: &[D; STAGES], n: usize, power: usize) -> Row {
+pub(super) const fn slopes(
+    base: Option<usize>,
+    from: usize,
+    weights: &[D; STAGES],
+    n: usize,
+    power: usize,
+) -> Row {
     let (mut row, mut i) = (Row { base, ..Row::EMPTY }, 0);
     while i < n {
         row = row.with(from + i, weights[i], power);
@@ -135,7 +158,7 @@ const fn slopes(base: Option<usize>, from: usize, weights: &[D; STAGES], n: usiz
 }
 
 /// The first stage is y at t, the last one y' at t + h, which is built with the weights `b`.
-const fn first_is_last(array: &Array, b: &[D; STAGES], end: D) -> bool {
+pub(super) const fn first_is_last(array: &Array, b: &[D; STAGES], end: D) -> bool {
     let last = array.stages - 1;
     if last == 0 || !same(array.c[0], D::ZERO) || !same(array.c[last], end) {
         return false;

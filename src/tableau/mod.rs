@@ -6,6 +6,7 @@ mod double_double;
 mod error;
 mod form;
 mod history;
+mod linear;
 mod lower;
 mod number;
 mod prove;
@@ -57,10 +58,7 @@ impl<'t> Tableau<'t> {
 }
 
 const fn steppable(tableau: &Tableau) -> Option<Form> {
-    match lower::lower(tableau) {
-        Some(form) if form.explicit() => Some(form),
-        _ => None,
-    }
+    lower::lower(tableau)
 }
 
 /// What [`tableau!`](crate::tableau!) makes of a file: its form if the stepper can run it.

@@ -10,11 +10,15 @@ mod spans;
 use kutta::{Loaded, Method, methods};
 use std::sync::LazyLock;
 
-/// Every pair with an error estimate, read at run time: one program steps them all.
-static PAIRS: LazyLock<Vec<Loaded>> = LazyLock::new(|| {
+/// Every method with an error estimate, read at run time: one program steps them all.
+static EVERY: LazyLock<Vec<Loaded>> = LazyLock::new(|| {
     let loaded = methods::all().iter().filter_map(|m| Loaded::parse(m.name, m.text).ok());
-    loaded.filter(|method| method.form().errors > 0).collect()
+    loaded.filter(|method| method.form().adaptive()).collect()
 });
+
+/// The explicit ones.
+static PAIRS: LazyLock<Vec<Loaded>> =
+    LazyLock::new(|| EVERY.iter().filter(|method| method.form().explicit()).cloned().collect());
 
 /// One of them.
 fn pair(name: &str) -> Loaded {

@@ -1,8 +1,8 @@
 //! A NaN or an infinity in the start, in the first slope, in one component, in one stage, or later.
 
-use crate::{PAIRS, pair, uncalled};
+use crate::{EVERY, PAIRS, pair, uncalled};
 use kutta::methods::{Ab4, Dop853, Rk4, Tsit54, VelocityVerlet};
-use kutta::{Method, Why, solve, solve_second};
+use kutta::{Loaded, Method, Why, solve, solve_second};
 
 const BAD: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 
@@ -54,7 +54,9 @@ fn a_bad_first_slope_is_named_before_the_first_step() {
 /// y' = 1 until t = 0.3, and from there a NaN or an infinity in one component of a hundred.
 #[test]
 fn a_slope_that_turns_bad_ends_the_run_where_it_does() {
-    for method in PAIRS.iter() {
+    // A method that looks at no end of a step passes the point by as much as its last stage stands before it.
+    let looks = |m: &&Loaded| m.form().c[..m.form().s].iter().any(|c| c.hi() == 1.0);
+    for method in EVERY.iter().filter(looks) {
         for bad in BAD {
             let f = |t: f64, _: &Vec<f64>, dy: &mut Vec<f64>| {
                 dy.fill(1.0);

@@ -1,6 +1,6 @@
 //! Sizes of states and slopes: huge, tiny, zero, mixed.
 
-use crate::{PAIRS, uncalled};
+use crate::{EVERY, PAIRS, uncalled};
 use kutta::methods::Dp54;
 use kutta::{Method, solve};
 
@@ -8,7 +8,7 @@ use kutta::{Method, solve};
 /// and the result must be the same to the last bit.
 #[test]
 fn units_of_y_do_not_matter() {
-    for method in PAIRS.iter() {
+    for method in EVERY.iter() {
         let run = |unit: f64| {
             let f = |t: f64, y: &[f64; 2], dy: &mut [f64; 2]| *dy = [y[1], -y[0] + 0.1 * unit * t.cos()];
             let run = solve(f, [unit, 0.5 * unit], 0.0..5.0).with(method.clone());
@@ -28,7 +28,7 @@ fn units_of_y_do_not_matter() {
 fn components_of_every_size_have_their_own_tolerance() {
     let f = |_: f64, y: &[f64; 4], dy: &mut [f64; 4]| *dy = [-y[0], -2.0 * y[1], -3.0 * y[2], y[3]];
     let y0 = [1e200, 1e-200, 1.0, 1e-9];
-    for method in PAIRS.iter() {
+    for method in EVERY.iter() {
         let each = y0.map(|y| (1e-8, y * 1e-8)).to_vec();
         let s = solve(f, y0, 0.0..1.0)
             .with(method.clone())
@@ -52,7 +52,7 @@ fn components_of_every_size_have_their_own_tolerance() {
 
 #[test]
 fn a_zero_state_needs_no_absolute_tolerance() {
-    for method in PAIRS.iter() {
+    for method in EVERY.iter() {
         // Zero and stays zero, beside a component that moves; in a span so long that steps grow large.
         let f = |_: f64, y: &[f64; 3], dy: &mut [f64; 3]| *dy = [0.0, y[1], -0.01 * y[2]];
         let run = solve(f, [0.0, 0.0, 1.0], 0.0..1e4).with(method.clone()).rtol(1e-6).atol(0.0);

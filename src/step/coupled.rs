@@ -1,0 +1,386 @@
+//! All stages at once: Newton's iteration on a fully implicit table, decoupled by the eigenvectors of its A
+//! (Butcher 1976, BIT 16, 237; Hairer, Wanner 1996, IV.8).
+
+use super::implicit::finite;
+use super::iteration::Iteration;
+use super::scalar::{Real, Scalar};
+use super::state::{RealOf, State};
+use super::stepper::Unsolved;
+use super::system::System;
+use crate::linear::{Effort, Eigen, Pair, Square};
+use crate::tableau::Form;
+use num_traits::{One, Zero};
+
+/// I - h lambda J for a real eigenvalue.
+#[derive(Clone)]
+struct Single<R, Q> {
+    value: R,
+    /// `(T^-1)_ki`, `T_ik`, for all stages i.
+    into: Vec<R>,
+    back: Vec<R>,
+    matrix: Q,
+}
+
+/// I - h lambda J for a pair of conjugate eigenvalues.
+#[derive(Clone)]
+struct Double<R, Q> {
+    value: [R; 2],
+    into: Vec<[R; 2]>,
+    back: Vec<[R; 2]>,
+    matrix: Q,
+}
+
+#[derive(Clone)]
+pub(super) struct Coupled<Y: State> {
+    single: Vec<Single<RealOf<Y>, Y::Square>>,
+    double: Vec<Double<RealOf<Y>, Y::PairSquare>>,
+    /// The h of the factors; zero where there are none.
+    h: RealOf<Y>,
+    /// A by rows, c.
+    a: Vec<Vec<RealOf<Y>>>,
+    c: Vec<RealOf<Y>>,
+    stages: Vec<Y>,
+    residuals: Vec<Y>,
+    changes: Vec<Y>,
+    /// Slopes of the last accepted step and its size, to extrapolate from.
+    old: Vec<Y>,
+    old_h: RealOf<Y>,
+    w: Y,
+    pairs: Y::Pairs,
+    /// gamma_0 and the weights of f_n and F_i in the error estimate, where the table has none of its own.
+    estimate: Option<Estimate<RealOf<Y>, Y::Square>>,
+    error: Y,
+}
+
+#[derive(Clone)]
+struct Estimate<R, Q> {
+    gamma: R,
+    weights: Vec<R>,
+    /// The factors of I - h gamma J, where gamma is no eigenvalue.
+    own: Option<Q>,
+}
+
+impl<Y: State> Coupled<Y> {
+    /// `None` where A has too few eigenvectors to decouple its stages.
+    pub fn new(form: &Form, y: &Y) -> Option<Self> {
+        let real = RealOf::<Y>::from_f64;
+        let n = y.as_slice().len();
+        let a = matrix::<RealOf<Y>>(form);
+        let plain: Vec<Vec<f64>> = a.iter().map(|row| row.iter().map(|x| x.to_f64()).collect()).collect();
+        let eigen = Eigen::of(&plain)?;
+        let s = form.s;
+        let single = (0..eigen.real).map(|k| Single {
+            value: real(eigen.values[k].re),
+            into: (0..s).map(|i| real(eigen.inverse[k][i].re)).collect(),
+            back: (0..s).map(|i| real(eigen.vectors[i][k].re)).collect(),
+            matrix: Y::Square::new(n),
+        });
+        let parts = |x: num_complex::Complex<f64>| [real(x.re), real(x.im)];
+        let double = (eigen.real..eigen.values.len()).map(|k| Double {
+            value: parts(eigen.values[k]),
+            into: (0..s).map(|i| parts(eigen.inverse[k][i])).collect(),
+            back: (0..s).map(|i| parts(eigen.vectors[i][k])).collect(),
+            matrix: Y::PairSquare::new(n),
+        });
+        let single: Vec<_> = single.collect();
+        let c: Vec<f64> = (0..s).map(|i| form.c[i].to_f64()).collect();
+        let estimate = form.estimated().then(|| {
+            let eigenvalue = single.first().map(|x| x.value.to_f64());
+            // Without a real one: as far from zero as the pair nearest to it.
+            let gamma = eigenvalue.unwrap_or_else(|| eigen.values[0].norm());
+            let b = form.weights();
+            let hat = interpolatory(&c, gamma);
+            let weights = (0..s).map(|i| real(hat[i] - b[i].to_f64())).collect();
+            let own = eigenvalue.is_none().then(|| Y::Square::new(n));
+            Estimate { gamma: real(gamma), weights, own }
+        });
+        Some(Self {
+            double: double.collect(),
+            single,
+            h: RealOf::<Y>::zero(),
+            a,
+            c: (0..s).map(|i| RealOf::<Y>::of(form.c[i])).collect(),
+            stages: vec![y.clone(); s],
+            residuals: vec![y.clone(); s],
+            changes: vec![y.clone(); s],
+            old: vec![y.clone(); s],
+            old_h: RealOf::<Y>::zero(),
+            w: y.clone(),
+            pairs: y.pairs(),
+            estimate,
+            error: y.clone(),
+        })
+    }
+
+    /// The factors are those of another Jacobian.
+    pub fn forget(&mut self) {
+        self.h = RealOf::<Y>::zero();
+    }
+
+    /// Keeps the slopes of an accepted step of size `h`.
+    pub fn keep(&mut self, slopes: &[Y], h: RealOf<Y>) {
+        for (to, from) in self.old.iter_mut().zip(slopes) {
+            to.as_mut_slice().copy_from_slice(from.as_slice());
+        }
+        self.old_h = h;
+    }
+
+    fn factor(&mut self, jacobian: &Y::Square, h: RealOf<Y>, effort: &mut Effort) -> Result<(), Unsolved> {
+        if self.h == h {
+            return Ok(());
+        }
+        self.h = RealOf::<Y>::zero();
+        let n = self.w.as_slice().len();
+        let singular = |component| Unsolved::Singular { component };
+        let shifted = |matrix: &mut Y::Square, hg: RealOf<Y>| {
+            for (to, &from) in matrix.entries_mut().iter_mut().zip(jacobian.entries()) {
+                *to = from.scale(-hg);
+            }
+            for i in 0..n {
+                let entry = &mut matrix.entries_mut()[i + i * n];
+                *entry = Y::Scalar::one() + *entry;
+            }
+            matrix.factor()
+        };
+        for block in &mut self.single {
+            shifted(&mut block.matrix, h * block.value).map_err(singular)?;
+            effort.factorizations += 1;
+        }
+        if let Some(Estimate { gamma, own: Some(matrix), .. }) = &mut self.estimate {
+            shifted(matrix, h * *gamma).map_err(singular)?;
+            effort.factorizations += 1;
+        }
+        for block in &mut self.double {
+            let [re, im] = block.value.map(|v| -h * v);
+            for (to, &from) in block.matrix.entries_mut().iter_mut().zip(jacobian.entries()) {
+                *to = Pair { re: from.scale(re), im: from.scale(im) };
+            }
+            for i in 0..n {
+                let entry = &mut block.matrix.entries_mut()[i + i * n];
+                entry.re = Y::Scalar::one() + entry.re;
+            }
+            block.matrix.factor().map_err(singular)?;
+            effort.factorizations += 1;
+        }
+        self.h = h;
+        Ok(())
+    }
+
+    /// Solves the stages: `slopes` come out as the F_i, `last` as the last Y.
+    #[allow(clippy::too_many_arguments)] // what one Newton iteration works on
+    pub fn solve<S: System<Y>>(
+        &mut self,
+        system: &mut S,
+        jacobian: &Y::Square,
+        (t, end): (RealOf<Y>, RealOf<Y>),
+        h: RealOf<Y>,
+        y: &Y,
+        slopes: &mut [Y],
+        last: &mut Y,
+        weights: &Y,
+        mut iteration: Iteration,
+        effort: &mut Effort,
+    ) -> Result<Iteration, Unsolved> {
+        self.factor(jacobian, h, effort)?;
+        self.guess(h, slopes);
+        let s = slopes.len();
+        for (stage, row) in self.stages.iter_mut().zip(&self.a) {
+            let stage = stage.as_mut_slice();
+            stage.copy_from_slice(y.as_slice());
+            for (slope, &a) in slopes.iter().zip(row) {
+                let a = h * a;
+                for (stage, f) in stage.iter_mut().zip(slope.as_slice()) {
+                    *stage = *stage + f.scale(a);
+                }
+            }
+        }
+        loop {
+            for (((stage, residual), &c), slope) in
+                self.stages.iter().zip(&mut self.residuals).zip(&self.c).zip(&*slopes)
+            {
+                let at = if c == RealOf::<Y>::one() { end } else { t + c * h };
+                effort.evaluations += 1;
+                system.rhs(at, stage, residual).map_err(|_| Unsolved::Domain)?;
+                finite(residual)?;
+                for (r, f) in residual.as_mut_slice().iter_mut().zip(slope.as_slice()) {
+                    *r = *r - *f;
+                }
+            }
+            effort.iterations += 1;
+            let square = self.correct(h, slopes, weights);
+            match iteration.judge((square / (s * y.as_slice().len()) as f64).sqrt()) {
+                None => {}
+                Some(Ok(())) => break,
+                Some(Err(why)) => return Err(why),
+            }
+        }
+        last.as_mut_slice().copy_from_slice(self.stages[s - 1].as_slice());
+        Ok(iteration)
+    }
+
+    /// Adds the corrections of slopes and stages; the sum of squares of the latter over their weights.
+    fn correct(&mut self, h: RealOf<Y>, slopes: &mut [Y], weights: &Y) -> f64 {
+        let zero = Y::Scalar::zero();
+        self.changes.iter_mut().for_each(|x| x.as_mut_slice().fill(zero));
+        for block in &self.single {
+            let w = self.w.as_mut_slice();
+            w.fill(zero);
+            for (&into, r) in block.into.iter().zip(&self.residuals) {
+                for (w, r) in w.iter_mut().zip(r.as_slice()) {
+                    *w = *w + r.scale(into);
+                }
+            }
+            block.matrix.solve(w);
+            for (change, &back) in self.changes.iter_mut().zip(&block.back) {
+                for (d, w) in change.as_mut_slice().iter_mut().zip(&*w) {
+                    *d = *d + w.scale(back);
+                }
+            }
+        }
+        let two = RealOf::<Y>::from_f64(2.0);
+        for block in &self.double {
+            let w = self.pairs.as_mut();
+            w.fill(Pair::zero());
+            for (&[re, im], r) in block.into.iter().zip(&self.residuals) {
+                for (w, r) in w.iter_mut().zip(r.as_slice()) {
+                    *w = *w + Pair { re: r.scale(re), im: r.scale(im) };
+                }
+            }
+            block.matrix.solve(w);
+            for (change, &[re, im]) in self.changes.iter_mut().zip(&block.back) {
+                let (re, im) = (two * re, two * im);
+                for (d, w) in change.as_mut_slice().iter_mut().zip(&*w) {
+                    *d = *d + (w.re.scale(re) - w.im.scale(im));
+                }
+            }
+        }
+        for (slope, change) in slopes.iter_mut().zip(&self.changes) {
+            for (f, &d) in slope.as_mut_slice().iter_mut().zip(change.as_slice()) {
+                *f = *f + d;
+            }
+        }
+        // By A itself, not by its eigenvectors: stages and slopes agree to the last digit of A.
+        let mut square = 0.0;
+        for (i, stage) in self.stages.iter_mut().enumerate() {
+            let w = self.w.as_mut_slice();
+            w.fill(zero);
+            for (&a, change) in self.a[i].iter().zip(&self.changes) {
+                for (w, d) in w.iter_mut().zip(change.as_slice()) {
+                    *w = *w + d.scale(a);
+                }
+            }
+            for ((y, w), &weight) in stage.as_mut_slice().iter_mut().zip(&*w).zip(weights.as_slice()) {
+                let change = w.scale(h);
+                *y = *y + change;
+                square += (change * weight).square().to_f64();
+            }
+        }
+        square
+    }
+
+    /// The collocation polynomial of the last step, drawn out; nothing where there was none: the slope at a start far
+    /// from where the solution wants to be would be larger than all that follows.
+    fn guess(&self, h: RealOf<Y>, slopes: &mut [Y]) {
+        let s = slopes.len();
+        let ratio = if self.old_h.is_zero() { RealOf::<Y>::zero() } else { h / self.old_h };
+        for (i, slope) in slopes.iter_mut().enumerate() {
+            let slope = slope.as_mut_slice();
+            slope.fill(Y::Scalar::zero());
+            if ratio.is_zero() {
+                continue;
+            }
+            let theta = RealOf::<Y>::one() + ratio * self.c[i];
+            for j in 0..s {
+                let mut weight = RealOf::<Y>::one();
+                for k in (0..s).filter(|&k| k != j) {
+                    weight = weight * ((theta - self.c[k]) / (self.c[j] - self.c[k]));
+                }
+                for (slope, f) in slope.iter_mut().zip(self.old[j].as_slice()) {
+                    *slope = *slope + f.scale(weight);
+                }
+            }
+        }
+    }
+
+    /// The error of the step, `(I - h gamma J)^-1 h (gamma f_n + sum (bhat - b)_i F_i)`: an embedded formula of
+    /// order s that uses f at the start, freed of the stiff components (Shampine's filter). `None` where the
+    /// table has rows of its own.
+    pub fn error(&mut self, h: RealOf<Y>, start: &Y, slopes: &[Y]) -> Option<&Y> {
+        let estimate = self.estimate.as_ref()?;
+        let error = self.error.as_mut_slice();
+        for (e, f) in error.iter_mut().zip(start.as_slice()) {
+            *e = f.scale(h * estimate.gamma);
+        }
+        for (&weight, f) in estimate.weights.iter().zip(slopes) {
+            for (e, f) in error.iter_mut().zip(f.as_slice()) {
+                *e = *e + f.scale(h * weight);
+            }
+        }
+        match (&estimate.own, self.single.first()) {
+            (Some(matrix), _) => matrix.solve(error),
+            (None, Some(block)) => block.matrix.solve(error),
+            (None, None) => {}
+        }
+        Some(&self.error)
+    }
+}
+
+/// A by rows, from the rows of the stages.
+fn matrix<R: Real>(form: &Form) -> Vec<Vec<R>> {
+    let mut a = vec![vec![R::zero(); form.s]; form.s];
+    for (i, row) in form.stage[..form.s].iter().enumerate() {
+        for j in 0..row.len {
+            if row.at[j] >= form.r {
+                a[i][row.at[j] - form.r] = R::of(row.a[j]);
+            }
+        }
+        a[i][i] = R::of(row.diagonal);
+    }
+    a
+}
+
+/// The weights of the slopes at c that make `gamma f(0) + sum weight_i f(c_i)` exact for as many powers.
+fn interpolatory(c: &[f64], gamma: f64) -> Vec<f64> {
+    let s = c.len();
+    // sum_i weight_i c_i^(k-1) = 1/k - gamma [k = 1], by elimination column by column.
+    let mut matrix: Vec<f64> = c.iter().flat_map(|&c| (0..s).map(move |k| c.powi(k as i32))).collect();
+    let mut x: Vec<f64> = (1..=s).map(|k| 1.0 / k as f64 - if k == 1 { gamma } else { 0.0 }).collect();
+    let mut pivots = vec![0; s];
+    match crate::linear::factor(s, &mut matrix, &mut pivots) {
+        Ok(()) => crate::linear::solve(s, &matrix, &pivots, &mut x),
+        // Nodes are distinct where an estimate is asked for.
+        Err(_) => x.fill(f64::NAN),
+    }
+    x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tableau::Stages;
+
+    #[test]
+    fn every_coupled_table_is_rebuilt_from_its_eigenvectors() {
+        let mut count = 0;
+        for entry in crate::methods::all() {
+            let Some(form) = entry.tableau().form() else { continue };
+            if !matches!(form.stages(), Stages::Full) {
+                continue;
+            }
+            let a = matrix::<f64>(&form);
+            let Some(eigen) = Eigen::of(&a) else { panic!("{} has too few eigenvectors", entry.name) };
+            for (i, row) in a.iter().enumerate() {
+                for (j, &entry_ij) in row.iter().enumerate() {
+                    let term = |k: usize| {
+                        let weight = if k < eigen.real { 1.0 } else { 2.0 };
+                        weight * (eigen.vectors[i][k] * eigen.values[k] * eigen.inverse[k][j]).re
+                    };
+                    let sum: f64 = (0..eigen.values.len()).map(term).sum();
+                    assert!((sum - entry_ij).abs() < 1e-9, "{}: {i}, {j}: {sum} {entry_ij}", entry.name);
+                }
+            }
+            count += 1;
+        }
+        assert!(count >= 3, "{count}");
+    }
+}
