@@ -13,8 +13,8 @@ use kutta::problems;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Problems compared on unless others are named: not stiff, small, and one of middle size.
-const PROBLEMS: [&str; 8] = [
+/// Problems compared on unless others are named: small ones, one of middle size, and stiff ones.
+const PROBLEMS: [&str; 13] = [
     "lorenz63",
     "lotka-volterra",
     "rigid-body",
@@ -23,6 +23,11 @@ const PROBLEMS: [&str; 8] = [
     "kepler-e06",
     "pleiades",
     "brusselator2d",
+    "vdp-mu1000",
+    "robertson-40",
+    "hires",
+    "orego",
+    "pollution",
 ];
 
 /// Compare methods by the time they need for an error
@@ -31,10 +36,10 @@ const PROBLEMS: [&str; 8] = [
 /// fine. The error is the one at the end of the problem's span, relative to its known solution.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Problems of the catalogue; default: eight that are not stiff
+    /// Problems of the catalogue; default: eight that are not stiff and five that are
     #[arg(long = "problem", value_name = "NAME", value_delimiter = ',')]
     problems: Vec<String>,
-    /// Methods by name, or paths of .toml files; default: about ten of all kinds
+    /// Methods by name, or paths of .toml files; default: about ten of all kinds, and seven for stiff problems
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     methods: Vec<String>,
     /// A method file that joins the others

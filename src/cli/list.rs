@@ -26,6 +26,8 @@ pub struct Item {
     pub dense: Option<usize>,
     pub stages: usize,
     pub steppable: bool,
+    #[serde(skip)]
+    adaptive: bool,
 }
 
 impl Item {
@@ -39,11 +41,12 @@ impl Item {
             dense: (tableau.dense_order > 0).then_some(tableau.dense_order),
             stages: tableau.stages(),
             steppable: tableau.steppable(),
+            adaptive: tableau.form().is_some_and(|form| form.adaptive()),
         }
     }
 
     fn purpose(&self) -> &'static str {
-        match (self.family, self.embedded.is_empty(), self.order) {
+        match (self.family, !self.adaptive, self.order) {
             ("explicit Runge-Kutta", true, _) => "fixed steps",
             ("explicit Runge-Kutta", false, ..=3) => "adaptive, loose tolerances",
             ("explicit Runge-Kutta", false, ..=6) => "adaptive, 1e-3 to 1e-8",

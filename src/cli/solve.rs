@@ -68,7 +68,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     match args.h {
         Some(h) => positive("--h", h, "such as 0.01")?,
-        None if tableau.embedded[0] == 0 => {
+        None if tableau.form().is_none_or(|form| !form.adaptive()) => {
             return refuse(format!(
                 "{name} has no error estimate: give it steps of one size, such as --h 0.01"
             ));

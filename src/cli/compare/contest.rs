@@ -20,6 +20,8 @@ pub struct Contestant {
     pub adaptive: bool,
     /// It is for y'' = f(t, y).
     second_order: bool,
+    /// Its stages are implicit: it is for stiff problems.
+    implicit: bool,
     /// It was asked for, not taken by default.
     named: bool,
     loaded: Loaded,
@@ -28,14 +30,16 @@ pub struct Contestant {
 impl Contestant {
     pub fn new(source: &Source, named: bool) -> Result<Self, TableauError> {
         let tableau = source.tableau()?;
+        let loaded = Loaded::parse(&source.name, &source.text)?;
         Ok(Self {
             name: source.name.clone(),
             path: source.path.clone(),
             shipped: source.proven,
-            adaptive: tableau.embedded[0] > 0,
+            adaptive: loaded.form().adaptive(),
             second_order: tableau.second_order(),
+            implicit: !loaded.form().explicit(),
             named,
-            loaded: Loaded::parse(&source.name, &source.text)?,
+            loaded,
         })
     }
 }
@@ -91,9 +95,20 @@ compiled! {
     fixed BlanesMoanRkn6A14,
 }
 
-/// The methods compared unless others are named.
+compiled! {
+    stiff_order, enter_stiff:
+    method Trbdf2,
+    method Kencarp4Esdirk,
+    method Kvaerno5,
+    method Rodas4,
+    method Rodas5p,
+    method RadauIia3,
+    method RadauIia5,
+}
+
+/// The methods compared unless others are named, each where it belongs: implicit ones on stiff problems.
 pub fn default_methods() -> Vec<String> {
-    [first_order(), second_order()].concat()
+    [first_order(), second_order(), stiff_order()].concat()
 }
 
 /// Compiles a problem with the methods above. Each pair costs about a second to compile.
@@ -120,6 +135,11 @@ meet! {
     second KeplerE06,
     second Pleiades,
     first Brusselator2d::new(64),
+    stiff VdpMu1000,
+    stiff RobertsonUntil40,
+    stiff Hires,
+    stiff Orego,
+    stiff Pollution,
 }
 
 fn name_of<P: Problem>(_: &P) -> &'static str {
@@ -130,8 +150,13 @@ impl Contest {
     pub fn new(problem: problems::Entry, chosen: &[Contestant], tolerances: &[f64]) -> Self {
         let (methods, others): (Vec<_>, Vec<_>) =
             chosen.iter().cloned().partition(|method| problem.second_order || !method.second_order);
+        let methods: Vec<_> =
+            methods.into_iter().filter(|method| method.named || method.implicit == problem.stiff).collect();
         let unfit = others.into_iter().filter(|method| method.named).map(|method| method.name).collect();
-        let matrix = default_methods();
+        let matrix = match problem.stiff {
+            true => stiff_order(),
+            false => [first_order(), second_order()].concat(),
+        };
         let compiled = |m: &&Contestant| is_compiled(problem.name) && m.shipped && matrix.contains(&m.name);
         let not_compiled = methods.iter().filter(|m| !compiled(m)).map(|m| m.name.clone()).collect();
         Self { problem, methods, unfit, not_compiled, tolerances: tolerances.to_vec() }
@@ -156,6 +181,15 @@ fn first<P: Problem>(
     finish(contest, &problem, comparison, progress)
 }
 
+fn stiff<P: Problem>(
+    contest: &Contest,
+    problem: P,
+    progress: impl FnMut(f64) + 'static,
+) -> Result<Outcome, Unfit> {
+    let comparison = enter_stiff(posed(&problem), &contest.methods);
+    finish(contest, &problem, comparison, progress)
+}
+
 fn second<P: SecondOrder>(
     contest: &Contest,
     problem: P,
@@ -171,9 +205,7 @@ fn second<P: SecondOrder>(
 
 fn posed<'w, P: Problem>(problem: &P) -> Comparison<'w, P::Y, impl System<P::Y> + Clone + 'w> {
     let (t0, t1) = problem.span();
-    let p = problem.clone();
-    let f = move |t: f64, y: &P::Y, dy: &mut P::Y| p.rhs(t, y, dy);
-    Comparison::new(P::NAME, f, problem.y0(), t0..t1)
+    Comparison::of_system(P::NAME, Equation(problem.clone()), problem.y0(), t0..t1)
 }
 
 /// What is known of the problem, how long to run, and off.
