@@ -33,12 +33,25 @@ fn back(stencil: &Stencil, [w, h]: [usize; 2], b: &[f64]) -> (f64, usize) {
     (worst, integral.lost)
 }
 
+/// The least symbol of the waves that the stencil sees; 1 where there are none.
+fn least(stencil: &Stencil, [w, h]: [usize; 2]) -> f64 {
+    let operator = Operator::<f64>::new(stencil, [w, h], [Border::Wrap; 2]).unwrap();
+    let symbol = |i: usize| {
+        let k = [(i % w) as f64 / w as f64, (i / w) as f64 / h as f64].map(|k| k * std::f64::consts::TAU);
+        [Axis::S, Axis::T].map(|axis| operator.symbol(axis, k).norm_sqr()).iter().sum::<f64>().sqrt()
+    };
+    (1..w * h).map(symbol).filter(|size| *size > 1e-10).fold(1.0, f64::min)
+}
+
 #[test]
 fn waves_come_back_to_rounding() {
     for stencil in &of::ALL {
         for [w, h] in [[16, 16], [31, 8], [9, 15], [1, 12], [20, 1], [1, 1], [100, 63]] {
             let (worst, _) = back(stencil, [w, h], &waves(w, h));
-            assert!(worst < 1e-12, "{} {w} x {h}: {worst}", stencil.title);
+            // Slopes are rounded at some epsilons of the weights times heights of 2.5, and the least symbol divides.
+            let weights: f64 = (0..stencil.along.len).map(|j| stencil.along.weight[j].hi().abs()).sum();
+            let allowed = 16.0 * f64::EPSILON * (1.0 + weights / least(stencil, [w, h]));
+            assert!(worst < allowed, "{} {w} x {h}: {worst:e}, {allowed:e}", stencil.title);
         }
     }
 }

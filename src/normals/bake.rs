@@ -11,7 +11,7 @@ use super::normal::{CHUNK, Normal, Pack};
 use super::operator::{self, Axis, Operator};
 use super::simd::Simd;
 use super::stencil::Stencil;
-use super::stream::Bytes;
+use super::stream::{Ahead, Bytes};
 use crate::tableau::DoubleDouble as D;
 
 /// Which way green points.
@@ -216,7 +216,8 @@ impl<'s> Bake<'s> {
                 [x[i], y[i]] = slope(first + i).map(|x| x as f32);
             }
             let (x, y) = (&x[..out.len()], &y[..out.len()]);
-            let pack = Pack { best: self.best_fit, past: false, x, y, work: &mut work, out };
+            let pack =
+                Pack { best: self.best_fit, past: false, x, y, work: &mut work, out, ahead: Ahead::of(x) };
             if !simd.run(pack) {
                 for (i, out) in out.iter_mut().enumerate() {
                     let [x, y] = slope(first + i);

@@ -6,7 +6,7 @@ use super::normal::sealed::Write;
 use super::normal::{CHUNK, Pack};
 use super::operator::Axis;
 use super::simd::{Kernel, Simd};
-use super::stream::{self, Bytes};
+use super::stream::{self, Ahead, Bytes};
 use crate::step::scalar::Arith;
 
 /// Maps of more bytes than this are stored past the cache.
@@ -100,9 +100,9 @@ impl<H: Height> Map<'_, H> {
         self.sum(y, x0, along_t, across_s, &mut work.y[..n], &mut work.mixed);
         // A row that is new to the cache is on its way while this one is worked out.
         let next = (y + 1 + along_t.reach[1].max(across_t.reach[1])).min(self.heights.height - 1);
-        stream::prefetch(&self.heights.row(next)[x0..x0 + n]);
+        let ahead = Ahead::of(&self.heights.row(next)[x0..x0 + n]);
         let (x, slopes_t) = (&work.x[..n], &work.y[..n]);
-        let pack = Pack { best: self.best, past, x, y: slopes_t, work: &mut work.packed, out };
+        let pack = Pack { best: self.best, past, x, y: slopes_t, work: &mut work.packed, out, ahead };
         if !self.simd.run(pack) {
             for (i, out) in out.iter_mut().enumerate() {
                 let [x, y] = self.slope(x0 + i, y);

@@ -36,7 +36,28 @@ impl Mix {
                 None => mix.singles.push((at, w)),
             }
         }
+        mix.refer();
         mix
+    }
+
+    /// Where the single weights sum to zero but for their rounding, each but the largest becomes a difference
+    /// from the texel of that one: equal heights then give zero, whatever the rounding of the weights.
+    fn refer(&mut self) {
+        let (sum, size) = self
+            .singles
+            .iter()
+            .fold((0.0, 0.0), |(sum, size), single| (sum + single.1, size + single.1.abs()));
+        // As many roundings of half an epsilon as there are weights, of the weights and of the sum.
+        if sum.abs() > f32::EPSILON * self.singles.len() as f32 * size {
+            return;
+        }
+        let Some(largest) =
+            self.singles.iter().copied().reduce(|a, b| if b.1.abs() > a.1.abs() { b } else { a })
+        else {
+            return;
+        };
+        let others = self.singles.drain(..).filter(|single| single.0 != largest.0);
+        self.pairs.extend(others.map(|(at, w)| (at, largest.0, w)));
     }
 
     /// The sum where a texel is fetched one at a time.

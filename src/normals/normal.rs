@@ -3,11 +3,11 @@
 use super::best_fit;
 use super::heights::Height;
 use super::simd::Kernel;
-use super::stream::{self, Bytes};
+use super::stream::{self, Ahead, Bytes};
 use crate::step::scalar::{Arith, Plain};
 
 /// Texels worked on at once: what belongs to them stays in the nearest cache.
-pub(super) const CHUNK: usize = 512;
+pub(super) const CHUNK: usize = 1024;
 
 pub(super) mod sealed {
     use super::Arith;
@@ -240,22 +240,26 @@ pub(super) struct Pack<'a, W> {
     pub y: &'a [f32],
     pub work: &'a mut [u32],
     pub out: &'a mut [W],
+    /// Texels that are new to the cache, on their way while these are worked out.
+    pub ahead: Ahead,
 }
 
 impl<W: sealed::Write + Bytes + Default> Kernel for Pack<'_, W> {
     type Output = bool;
     #[inline(always)]
     fn run<A: Arith>(self) -> bool {
-        let Self { best, past, x, y, work, out } = self;
+        let Self { best, past, x, y, work, out, mut ahead } = self;
         if best {
             return W::write_best::<A>(x, y, work, out);
         }
         if !past {
             return W::write::<A>(x, y, work, out);
         }
+        let share = ahead.share(out.len().div_ceil(STAGE));
         let (mut staged, mut fine) = ([W::default(); STAGE], true);
         for ((x, y), out) in x.chunks(STAGE).zip(y.chunks(STAGE)).zip(out.chunks_mut(STAGE)) {
             let staged = &mut staged[..out.len()];
+            ahead.ask(share);
             fine &= W::write::<A>(x, y, work, staged);
             // SAFETY: who asks for it ends with a fence.
             unsafe { stream::copy(staged, out) };

@@ -43,18 +43,35 @@ pub(super) unsafe fn copy<T: Bytes>(from: &[T], to: &mut [T]) {
     to.copy_from_slice(from);
 }
 
-/// Asks for texels that are wanted soon.
-#[inline]
-pub(super) fn prefetch<T>(texels: &[T]) {
-    #[cfg(all(target_arch = "x86_64", not(miri)))]
-    for line in (0..size_of_val(texels)).step_by(64) {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        let at = texels.as_ptr().cast::<i8>();
-        // SAFETY: a prefetch reads nothing, and this one points into the slice. SSE is part of x86-64.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(at.add(line)) };
+/// Texels that are wanted soon, asked for a few lines at a time: more than can be under way is a wait.
+pub(super) struct Ahead {
+    at: *const i8,
+    bytes: usize,
+}
+
+impl Ahead {
+    pub(super) fn of<T>(texels: &[T]) -> Self {
+        Self { at: texels.as_ptr().cast(), bytes: size_of_val(texels) }
     }
-    #[cfg(not(all(target_arch = "x86_64", not(miri))))]
-    let _ = texels;
+
+    /// Bytes of one of so many parts.
+    pub(super) fn share(&self, parts: usize) -> usize {
+        self.bytes.div_ceil(parts.max(1))
+    }
+
+    /// Asks for the next bytes.
+    #[inline(always)]
+    pub(super) fn ask(&mut self, bytes: usize) {
+        let bytes = bytes.min(self.bytes);
+        #[cfg(all(target_arch = "x86_64", not(miri)))]
+        for line in (0..bytes).step_by(64) {
+            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            // SAFETY: a prefetch reads nothing and faults nowhere. SSE is part of x86-64.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(self.at.wrapping_add(line)) };
+        }
+        self.at = self.at.wrapping_add(bytes);
+        self.bytes -= bytes;
+    }
 }
 
 /// Ends a run of [`copy`]: what it wrote is seen before what is written later.
