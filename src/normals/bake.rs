@@ -1,6 +1,7 @@
 //! The bake: heights in, normals out.
 
 use super::border::Border;
+use super::compact::{self, Slopes};
 use super::error::BakeError;
 use super::heights::{Height, Heights};
 use super::map::Map;
@@ -8,7 +9,7 @@ use super::missing;
 use super::mix::Mixes;
 use super::normal::sealed::Write;
 use super::normal::{CHUNK, Normal, Pack};
-use super::operator::{self, Axis, Operator};
+use super::operator::{self, Axis};
 use super::simd::Simd;
 use super::stencil::Stencil;
 use super::stream::{Ahead, Bytes};
@@ -119,7 +120,13 @@ impl<'s> Bake<'s> {
     pub fn pack<N: Normal>(&self, slopes: &[[f32; 2]]) -> Vec<N> {
         let mut out = vec![N::default(); slopes.len()];
         let [s, t] = self.tilt();
-        self.pack_slopes(|i| [s * f64::from(slopes[i][0]), t * f64::from(slopes[i][1])], &mut out);
+        let one = |i: usize| [s * f64::from(slopes[i][0]), t * f64::from(slopes[i][1])];
+        let run = |first: usize, x: &mut [f32], y: &mut [f32]| {
+            for (i, (x, y)) in (first..).zip(x.iter_mut().zip(y)) {
+                [*x, *y] = one(i).map(|slope| slope as f32);
+            }
+        };
+        self.pack_slopes(run, one, &mut out);
         out
     }
 
@@ -173,7 +180,7 @@ impl<'s> Bake<'s> {
     }
 
     /// A compact stencil couples every texel of a line: the whole map at once, in `f64`.
-    fn run_compact<H: Height, W: Write + Bytes + Default>(
+    fn run_compact<H: Height, W: Write + Bytes + Default + Send>(
         &self,
         heights: &Heights<H>,
         scale: [D; 2],
@@ -183,19 +190,12 @@ impl<'s> Bake<'s> {
         if !finite {
             self.refuse(heights)?;
         }
-        let operator = Operator::<f64>::scaled(self.stencil, heights.size(), self.border, scale)?;
-        let known = |h: &H| if h.finite() { f64::from(h.steps()) } else { 0.0 };
-        let texels: Vec<f64> = heights.texels.iter().map(known).collect();
-        let mut slopes = [vec![0.0; texels.len()], vec![0.0; texels.len()]];
-        for (axis, slopes) in [Axis::S, Axis::T].into_iter().zip(&mut slopes) {
-            operator.apply(axis, &texels, slopes)?;
-        }
-        let [s, t] = &slopes;
-        self.pack_slopes(|i| [s[i], t[i]], out);
+        let slopes = Slopes::new(self.stencil, heights, self.border, scale);
+        let width = heights.width;
+        self.pack_slopes(|first, x, y| slopes.run(first, x, y), |i| slopes.at(i % width, i / width), out);
         if !finite {
-            let slope = |x, y| [s[x + y * heights.width], t[x + y * heights.width]];
             let near = |axis, x, y| missing::near(self, heights, axis, [x, y]);
-            missing::repair(self, heights, scale, slope, near, out);
+            missing::repair(self, heights, scale, |x, y| slopes.at(x, y), near, out);
         }
         Ok(())
     }
@@ -207,24 +207,27 @@ impl<'s> Bake<'s> {
         }
     }
 
-    /// Packs slopes that have their signs.
-    fn pack_slopes<W: Write + Bytes + Default>(&self, slope: impl Fn(usize) -> [f64; 2], out: &mut [W]) {
+    /// Packs slopes that have their signs: `run` gives those from some texel on, `one` those of a texel.
+    fn pack_slopes<W: Write + Bytes + Default + Send>(
+        &self,
+        run: impl Fn(usize, &mut [f32], &mut [f32]) + Sync,
+        one: impl Fn(usize) -> [f64; 2] + Sync,
+        out: &mut [W],
+    ) {
         let simd = Simd::widest();
-        let (mut x, mut y, mut work) = (vec![0.0; CHUNK], vec![0.0; CHUNK], vec![0; CHUNK]);
-        for (first, out) in (0..).step_by(CHUNK).zip(out.chunks_mut(CHUNK)) {
-            for i in 0..out.len() {
-                [x[i], y[i]] = slope(first + i).map(|x| x as f32);
-            }
-            let (x, y) = (&x[..out.len()], &y[..out.len()]);
+        let room = || (vec![0.0; CHUNK], vec![0.0; CHUNK], vec![0; CHUNK]);
+        compact::each(out, CHUNK, room, |(x, y, work), chunk, out| {
+            let (x, y) = (&mut x[..out.len()], &mut y[..out.len()]);
+            run(chunk * CHUNK, x, y);
             let pack =
-                Pack { best: self.best_fit, past: false, x, y, work: &mut work, out, ahead: Ahead::of(x) };
+                Pack { best: self.best_fit, past: false, x, y, work, out, ahead: Ahead::of::<u8>(&[]) };
             if !simd.run(pack) {
-                for (i, out) in out.iter_mut().enumerate() {
-                    let [x, y] = slope(first + i);
+                for (i, out) in (chunk * CHUNK..).zip(out) {
+                    let [x, y] = one(i);
                     *out = W::one(x, y, self.best_fit);
                 }
             }
-        }
+        });
     }
 
     pub(super) fn map<'a, H: Height>(&self, heights: Heights<'a, H>, scale: [D; 2]) -> Map<'a, H> {

@@ -175,6 +175,7 @@ impl<T: Real> Line<T> {
     }
 
     /// y = A x: texel i of every lane in `x[i]`.
+    #[inline(always)]
     pub(super) fn apply<const L: usize>(&self, x: &[[T; L]], y: &mut [[T; L]]) {
         for (i, y) in y.iter_mut().enumerate() {
             *y = [T::NEG_ZERO; L];

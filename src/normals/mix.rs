@@ -5,7 +5,8 @@ use super::line::Line;
 use super::simd::{Kernel, Simd};
 use crate::step::scalar::Arith;
 
-/// Most terms summed in one pass over a row.
+/// Most runs summed in one pass: so many the compiler tells apart from where the sum goes, and with more it would
+/// go texel by texel.
 const TERMS: usize = 8;
 
 /// A row of weights by offset. Opposite weights are kept as one, for a difference: it rounds where heights
@@ -84,7 +85,7 @@ impl Mix {
     /// The sums of a run: `fetch(offset)` gives the run that lies at that offset.
     pub(super) fn sum<'a, E: Height>(&self, simd: Simd, out: &mut [f32], fetch: impl Fn(isize) -> &'a [E]) {
         let mut add = false;
-        for pairs in self.pairs.chunks(TERMS) {
+        for pairs in self.pairs.chunks(TERMS / 2) {
             let mut terms = Terms::new();
             for (k, &(plus, minus, w)) in pairs.iter().enumerate() {
                 (terms.plus[k], terms.minus[k], terms.w[k]) = (fetch(plus), fetch(minus), w);

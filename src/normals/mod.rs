@@ -10,6 +10,7 @@ mod bake;
 mod best_fit;
 mod border;
 pub mod bump;
+mod compact;
 mod derive;
 mod error;
 pub mod frame;

@@ -66,6 +66,7 @@ impl<T: Real> Tridiagonal<T> {
     }
 
     /// Solves for many right-hand sides at once, in place: `x[i]` holds row i of each.
+    #[inline(always)]
     pub(super) fn solve<const L: usize>(&self, x: &mut [[T; L]]) {
         let n = self.pivot.len();
         for i in 0..n {
