@@ -96,7 +96,7 @@ pub fn write(
             let mut encoder = Encoder::new(&mut out, width as u32, height as u32);
             encoder.set_color(colour);
             encoder.set_depth(depth);
-            encoder.set_compression(Compression::Balanced);
+            encoder.set_compression(Compression::Fast);
             let mut writer = encoder.write_header().map_err(failed)?;
             let mut stream = writer.stream_writer().map_err(failed)?;
             (0..height).try_for_each(|at| row(&mut stream, at, at + 1))?;
