@@ -1,7 +1,8 @@
 //! `kutta bake HEIGHT OUT`: a normal map from a height map.
 //!
-//! Files are what takes time: of a 16-bit PNG of 4096 x 4096 the bake to an RGB8 PNG took 0.09 s, decoding 0.4 s and
-//! encoding 5 to 6 s, 98 % of the whole (2026-11-22, two virtual cores of an Intel Xeon shared with other work).
+//! Files are what takes time: a map of 4096 x 4096 heights of 16 bits is read raw in 0.06 s and from a PNG in 0.4 s, baked
+//! in 0.04 s and written as an RGB8 PNG in 0.18 s; slower compression, which takes 5 s, would gain little
+//! (2026-11-22, two virtual cores of an Intel Xeon).
 
 use super::image::{Format, Grey, Pixels, Texels, write};
 use super::relief::{self, Relief};
