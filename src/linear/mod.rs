@@ -29,6 +29,25 @@ pub trait Square<T: Scalar>: Clone {
     fn solve(&self, x: &mut [T]);
 }
 
+/// Makes `matrix` the factors of I - hg J.
+///
+/// # Errors
+/// The column without a pivot.
+pub(crate) fn factor_shifted<T: Scalar, Q: Square<T>>(
+    matrix: &mut Q,
+    jacobian: &Q,
+    hg: T::Real,
+) -> Result<(), usize> {
+    for (to, &from) in matrix.entries_mut().iter_mut().zip(jacobian.entries()) {
+        *to = from.scale(-hg);
+    }
+    let n = jacobian.entries().len().isqrt();
+    for entry in matrix.entries_mut().iter_mut().step_by(n + 1) {
+        *entry = T::one() + *entry;
+    }
+    matrix.factor()
+}
+
 /// N by N on the stack.
 #[derive(Clone, Debug)]
 pub struct Small<T, const N: usize> {

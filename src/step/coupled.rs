@@ -7,7 +7,7 @@ use super::scalar::{Real, Scalar};
 use super::state::{RealOf, State};
 use super::stepper::Unsolved;
 use super::system::System;
-use crate::linear::{Effort, Eigen, Pair, Square};
+use crate::linear::{Effort, Eigen, Pair, Square, factor_shifted};
 use crate::tableau::Form;
 use num_traits::{One, Zero};
 
@@ -132,22 +132,12 @@ impl<Y: State> Coupled<Y> {
         self.h = RealOf::<Y>::zero();
         let n = self.w.as_slice().len();
         let singular = |component| Unsolved::Singular { component };
-        let shifted = |matrix: &mut Y::Square, hg: RealOf<Y>| {
-            for (to, &from) in matrix.entries_mut().iter_mut().zip(jacobian.entries()) {
-                *to = from.scale(-hg);
-            }
-            for i in 0..n {
-                let entry = &mut matrix.entries_mut()[i + i * n];
-                *entry = Y::Scalar::one() + *entry;
-            }
-            matrix.factor()
-        };
         for block in &mut self.single {
-            shifted(&mut block.matrix, h * block.value).map_err(singular)?;
+            factor_shifted(&mut block.matrix, jacobian, h * block.value).map_err(singular)?;
             effort.factorizations += 1;
         }
         if let Some(Estimate { gamma, own: Some(matrix), .. }) = &mut self.estimate {
-            shifted(matrix, h * *gamma).map_err(singular)?;
+            factor_shifted(matrix, jacobian, h * *gamma).map_err(singular)?;
             effort.factorizations += 1;
         }
         for block in &mut self.double {

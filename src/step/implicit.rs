@@ -1,5 +1,6 @@
 //! How implicit stages are solved: Newton's iteration on one stage after the other, or on all of them
-//! ([`coupled`](super::coupled)), or one linear equation a stage ([`rosenbrock`](super::rosenbrock)). Rows are read in a loop: the matrices cost more than that.
+//! ([`coupled`](super::coupled)), or one linear equation a stage ([`rosenbrock`](super::rosenbrock)). Rows are
+//! read in a loop: the matrices cost more than that.
 
 use super::coupled::Coupled;
 use super::iteration::Iteration;
@@ -7,9 +8,9 @@ use super::norm::Tolerance;
 use super::row::{assemble_read, powers};
 use super::scalar::{Plain, Real, Scalar};
 use super::state::{RealOf, State};
-use super::stepper::{Refused, Unsolved, View};
+use super::stepper::{Refused, Unsolved, View, is_one};
 use super::system::System;
-use crate::linear::{Effort, Jacobian, Square, by_differences};
+use crate::linear::{Effort, Jacobian, Square, by_differences, factor_shifted};
 use crate::tableau::{DoubleDouble, Form, Meaning, Stages};
 use num_traits::{One, Zero};
 
@@ -118,13 +119,10 @@ impl<Y: State> Solver<Y> {
     ) -> Result<(), Refused> {
         let powers = powers(h);
         let (x, out) = words.split_at_mut(form.r + form.s);
+        self.weigh(&x[0]);
         match form.stages() {
-            Stages::Linear => {
-                self.weigh(&x[0]);
-                self.linear(form, x, out, system, (t, end), h)?;
-            }
-            _ => {
-                self.weigh(&x[0]);
+            Stages::Linear => self.linear(form, x, out, system, (t, end), h)?,
+            stages => {
                 // A Jacobian that served well serves on.
                 if !self.known || !self.here && !self.iteration.quick() {
                     self.take(system, t, h, &x[0]).map_err(|why| Refused { stage: 0, why })?;
@@ -136,7 +134,7 @@ impl<Y: State> Solver<Y> {
                 }
                 self.tried = h;
                 loop {
-                    let solved = match form.stages() {
+                    let solved = match stages {
                         Stages::Full => self.all(form, x, out, system, (t, end), h),
                         _ => self.diagonal(form, x, out, system, (t, end), h, known),
                     };
@@ -192,24 +190,20 @@ impl<Y: State> Solver<Y> {
         if system.jacobian(t, y, &mut given) {
             self.effort.jacobians += 1;
         } else {
-            self.effort.evaluations += 1;
-            let done = system.rhs(t, y, &mut self.slope).and_then(|()| {
-                self.time.as_mut_slice().copy_from_slice(y.as_slice());
-                by_differences(
-                    system,
-                    t,
-                    &mut self.time,
-                    &self.slope,
-                    &mut self.residual,
-                    &self.weights,
-                    h,
-                    self.jacobian.entries_mut(),
-                    &mut self.effort,
-                )
-            });
-            done.map_err(|_| Unsolved::Domain)?;
-            finite(&self.slope)?;
-            self.sloped = true;
+            self.slope(system, t, y)?;
+            self.time.as_mut_slice().copy_from_slice(y.as_slice());
+            by_differences(
+                system,
+                t,
+                &mut self.time,
+                &self.slope,
+                &mut self.residual,
+                &self.weights,
+                h,
+                self.jacobian.entries_mut(),
+                &mut self.effort,
+            )
+            .map_err(|_| Unsolved::Domain)?;
         }
         match self.jacobian.entries().iter().position(|x| !x.finite()) {
             Some(at) => Err(Unsolved::Jacobian { component: at % n }),
@@ -226,17 +220,10 @@ impl<Y: State> Solver<Y> {
         let at = self.factors.iter().position(|f| f.diagonal.hi() == diagonal.hi()).unwrap_or(0);
         let factors = &mut self.factors[at];
         if factors.hg != hg {
-            let n = self.slope.as_slice().len();
-            for (to, &from) in factors.matrix.entries_mut().iter_mut().zip(self.jacobian.entries()) {
-                *to = from.scale(-hg);
-            }
-            for i in 0..n {
-                let entry = &mut factors.matrix.entries_mut()[i + i * n];
-                *entry = Y::Scalar::one() + *entry;
-            }
             self.effort.factorizations += 1;
             factors.hg = RealOf::<Y>::zero();
-            factors.matrix.factor().map_err(|component| Unsolved::Singular { component })?;
+            factor_shifted(&mut factors.matrix, &self.jacobian, hg)
+                .map_err(|component| Unsolved::Singular { component })?;
             factors.hg = hg;
         }
         Ok(at)
@@ -397,7 +384,7 @@ pub(super) fn finite<Y: State>(slope: &Y) -> Result<(), Unsolved> {
 }
 
 pub(super) fn stage_time<R: Real>(c: DoubleDouble, t: R, end: R, h: R) -> R {
-    if c.hi() == 1.0 && c.lo() == 0.0 { end } else { t + R::of(c) * h }
+    if is_one(c) { end } else { t + R::of(c) * h }
 }
 
 /// `out += a x`.

@@ -314,7 +314,7 @@ fn stage<A: Arith, Y: State, S: System<Y>, R: RowAt>(
     verdict.map_err(|_| Refused { stage: i, why: Unsolved::Domain })
 }
 
-const fn is_one(c: DoubleDouble) -> bool {
+pub(super) const fn is_one(c: DoubleDouble) -> bool {
     c.hi() == 1.0 && c.lo() == 0.0
 }
 
