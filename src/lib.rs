@@ -76,7 +76,7 @@ pub mod tableau;
 pub use linear::Jacobian;
 pub use solve::control::Controller;
 pub use solve::event::Crossing;
-pub use solve::ivp::{Ivp, solve, solve_second};
+pub use solve::ivp::{Ivp, solve, solve_second, solve_split};
 pub use solve::outcome::{Interpolant, Occurrence, Rejections, Solution, Stats, Stopped, Why};
 pub use solve::run::{Adaptive, Fixed, Pace};
 pub use solve::steps::Steps;
@@ -84,6 +84,7 @@ pub use solve::watch::Step;
 pub use step::method::{Loaded, Method};
 pub use step::norm::Tolerance;
 pub use step::scalar::{Real, Scalar};
+pub use step::split::Split;
 pub use step::state::{RealOf, State};
 pub use step::system::{OutOfDomain, System, Verdict, WithJacobian};
 

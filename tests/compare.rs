@@ -352,7 +352,6 @@ mod command {
         let refused = [
             ("--problem lorenz".to_string(), "there is no problem"),
             ("--methods rk5".to_string(), "there is no method"),
-            ("--methods kencarp4-imex".to_string(), "two right-hand sides"),
             ("--problem lorenz63 --methods verlet".to_string(), "choose a problem of that kind"),
             ("--tolerances 0".to_string(), "must be a positive number"),
             ("--tolerances 1e-3,-1e-6".to_string(), "must be a positive number"),

@@ -24,7 +24,9 @@ pub(crate) fn check<Y: State>(
 ) -> Option<String> {
     let zero = RealOf::<Y>::zero();
     if form.s == 0 {
-        return Some(format!("{name} cannot be stepped yet: it is a pair for two right-hand sides"));
+        return Some(format!(
+            "{name} cannot be stepped: it is a pair whose stages would have to be found together"
+        ));
     }
     match (form.d, v0) {
         (2, None) => return Some(format!("{name} is for y'' = f(t, y): use solve_second with a velocity")),

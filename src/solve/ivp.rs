@@ -11,6 +11,7 @@ use crate::methods::Tsit54;
 use crate::step::method::{Loaded, Method};
 use crate::step::norm::Tolerance;
 use crate::step::scalar::Real;
+use crate::step::split::Split;
 use crate::step::state::{RealOf, State};
 use crate::step::system::{System, Verdict, WithJacobian};
 use std::marker::PhantomData;
@@ -48,6 +49,34 @@ where
     F: FnMut(RealOf<Y>, &Y, &mut Y) -> R,
 {
     Ivp::second(f, y0, v0, span)
+}
+
+/// Solves y' = f(t, y) with f the sum of two parts, of which only `stiff` is treated implicitly.
+///
+/// Both are closures `|t, y, dy|`. It takes IMEX pairs; every other method sees the sum.
+/// [`Ivp::jacobian`] is then that of the stiff part.
+///
+/// ```
+/// // A stiff pull towards a slow wave, and the wave's own motion.
+/// let pull = |t: f64, y: &[f64; 1], dy: &mut [f64; 1]| dy[0] = -1e4 * (y[0] - t.cos());
+/// let wave = |t: f64, _y: &[f64; 1], dy: &mut [f64; 1]| dy[0] = -t.sin();
+/// let run = kutta::solve_split(pull, wave, [1.0], 0.0..10.0).run()?;
+/// // Stability alone would ask an explicit method for 30 000 steps.
+/// assert!((run.y[0] - 10f64.cos()).abs() < 1e-6 && run.stats.accepted < 4000);
+/// # Ok::<(), kutta::Stopped<[f64; 1]>>(())
+/// ```
+pub fn solve_split<'w, Y: State, R1: Verdict, R2: Verdict, F, G>(
+    stiff: F,
+    nonstiff: G,
+    y0: Y,
+    span: Range<RealOf<Y>>,
+) -> Ivp<'w, Y, Split<F, G, Y>, crate::methods::Kencarp4Imex>
+where
+    F: FnMut(RealOf<Y>, &Y, &mut Y) -> R1,
+    G: FnMut(RealOf<Y>, &Y, &mut Y) -> R2,
+{
+    let system = Split::new(stiff, nonstiff, &y0);
+    Ivp::new(system, y0, span).with(crate::methods::Kencarp4Imex)
 }
 
 /// An initial value problem with its method and options. Every option has a default.
@@ -208,7 +237,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Ivp<'w, Y, S, M, P> {
         const {
             assert!(
                 N::READ || N::FORM.is_some(),
-                "this method cannot be stepped yet: it is a pair for two right-hand sides"
+                "this method cannot be stepped: it is a pair whose stages would have to be found together"
             )
         };
         self.options.starter = Some(Loaded::of(starter.name(), starter.form()));

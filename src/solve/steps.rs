@@ -52,7 +52,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         const {
             assert!(
                 M::READ || M::FORM.is_some(),
-                "this method cannot be stepped yet: it is a pair for two right-hand sides"
+                "this method cannot be stepped: it is a pair whose stages would have to be found together"
             );
             if let Some(form) = M::FORM {
                 assert!(!P::ADAPTIVE || form.adaptive(), "no error estimate: give a step with `.step(h)`");

@@ -7,6 +7,7 @@ use super::iteration::Iteration;
 use super::norm::Tolerance;
 use super::row::{assemble_read, powers};
 use super::scalar::{Plain, Real, Scalar};
+use super::split::Stiff;
 use super::state::{RealOf, State};
 use super::stepper::{Refused, Unsolved, View, is_one};
 use super::system::System;
@@ -125,7 +126,7 @@ impl<Y: State> Solver<Y> {
             stages => {
                 // A Jacobian that served well serves on.
                 if !self.known || !self.here && !self.iteration.quick() {
-                    self.take(system, t, h, &x[0]).map_err(|why| Refused { stage: 0, why })?;
+                    self.renew(form, system, t, h, &x[0])?;
                 }
                 if let Some(coupled) = &mut self.coupled
                     && let Some(h) = self.accepted.take()
@@ -136,6 +137,9 @@ impl<Y: State> Solver<Y> {
                 loop {
                     let solved = match stages {
                         Stages::Full => self.all(form, x, out, system, (t, end), h),
+                        _ if form.split() => {
+                            self.diagonal(form, x, out, &mut Stiff(system), (t, end), h, known)
+                        }
                         _ => self.diagonal(form, x, out, system, (t, end), h, known),
                     };
                     let Err(refused) = solved else { break };
@@ -143,7 +147,7 @@ impl<Y: State> Solver<Y> {
                     if self.here || refused.why != Unsolved::Diverged {
                         return Err(refused);
                     }
-                    self.take(system, t, h, &x[0]).map_err(|why| Refused { stage: 0, why })?;
+                    self.renew(form, system, t, h, &x[0])?;
                 }
             }
         }
@@ -168,6 +172,20 @@ impl<Y: State> Solver<Y> {
             let size = size.maximum(RealOf::<Y>::EPSILON * RealOf::<Y>::EPSILON * largest).maximum(least);
             *w = Y::Scalar::one().scale(RealOf::<Y>::one() / size);
         }
+    }
+
+    /// Takes the Jacobian of what the stages solve for.
+    fn renew<S: System<Y>>(
+        &mut self,
+        form: &Form,
+        system: &mut S,
+        t: RealOf<Y>,
+        h: RealOf<Y>,
+        y: &Y,
+    ) -> Result<(), Refused> {
+        let taken =
+            if form.split() { self.take(&mut Stiff(system), t, h, y) } else { self.take(system, t, h, y) };
+        taken.map_err(|why| Refused { stage: 0, why })
     }
 
     /// Takes the Jacobian at the start of the step.
@@ -250,20 +268,31 @@ impl<Y: State> Solver<Y> {
                     let (z, f) = x.split_at_mut(form.r);
                     self.effort.evaluations += 1;
                     let base = row.base.unwrap_or(0);
-                    system.rhs(at, &z[base], &mut f[i]).map_err(|_| refused(Unsolved::Domain))?;
+                    let given = match form.nonstiff[i] {
+                        true => system.nonstiff(at, &z[base], &mut f[i]),
+                        false => system.rhs(at, &z[base], &mut f[i]),
+                    };
+                    given.map_err(|_| refused(Unsolved::Domain))?;
+                    finite(&f[i]).map_err(refused)?;
                 }
                 continue;
             }
             assemble_read::<Plain, Y>(&mut out[0], row, &powers, x);
             if row.diagonal.hi() == 0.0 {
                 self.effort.evaluations += 1;
-                system.rhs(at, &out[0], &mut x[form.r + i]).map_err(|_| refused(Unsolved::Domain))?;
+                let slope = &mut x[form.r + i];
+                let given = match form.nonstiff[i] {
+                    true => system.nonstiff(at, &out[0], slope),
+                    false => system.rhs(at, &out[0], slope),
+                };
+                given.map_err(|_| refused(Unsolved::Domain))?;
+                finite(&x[form.r + i]).map_err(refused)?;
                 continue;
             }
             // The first guess is the slope of the stage before; the first stage's is the newest there is.
             let from = match i {
                 0 => (0..form.r).find(|&j| form.means[j] == Meaning::F(0)).unwrap_or(form.r + form.s - 1),
-                i => form.r + i - 1,
+                i => form.r + i - 1 - form.split() as usize,
             };
             if i == 0 && from >= form.r && !self.begun {
                 // A slope far from where the solution wants to be would be larger than all that follows.

@@ -40,7 +40,7 @@ impl Loaded {
     /// Reads and proves `text`; refuses what cannot be stepped yet.
     ///
     /// # Errors
-    /// What the compiler would say of the same file, or that it is a pair for two right-hand sides.
+    /// What the compiler would say of the same file, or that it is a pair whose stages would have to be found together.
     pub fn parse(name: &str, text: &str) -> Result<Self, TableauError> {
         let form = Tableau::parse(text)?.steppable_form().ok_or_else(TableauError::not_steppable)?;
         Ok(Self::of(name, &form))

@@ -8,6 +8,7 @@ pub(crate) mod norm;
 pub(crate) mod rosenbrock;
 pub(crate) mod row;
 pub(crate) mod scalar;
+pub(crate) mod split;
 pub(crate) mod state;
 pub(crate) mod stepper;
 pub(crate) mod system;

@@ -260,7 +260,7 @@ pub const fn unseen_slope(form: &Form) -> Option<usize> {
 /// The word that holds f(t_n, y_n) after an attempt, if the method evaluates it.
 pub fn start_slope_at(form: &Form) -> Option<usize> {
     let carried = (0..form.r).find(|&j| form.means[j] == Meaning::F(0));
-    carried.or_else(|| (copied(Some(&form.stage[0])) == Some(0)).then_some(form.r))
+    carried.or_else(|| (!form.split() && copied(Some(&form.stage[0])) == Some(0)).then_some(form.r))
 }
 
 /// The word that z'_j is moved from.

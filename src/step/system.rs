@@ -2,6 +2,7 @@
 
 use super::state::{RealOf, State};
 use crate::linear::Jacobian;
+use num_traits::Zero;
 
 /// The right-hand side refuses a point (a root of a negative number, a density below zero): the step
 /// is retried with a smaller size.
@@ -29,6 +30,33 @@ pub trait System<Y: State> {
     fn jacobian(&mut self, _t: RealOf<Y>, _y: &Y, _j: &mut Jacobian<Y::Scalar>) -> bool {
         false
     }
+
+    /// f is a sum of two parts, of which IMEX pairs treat one implicitly.
+    fn is_split(&self) -> bool {
+        false
+    }
+
+    /// The stiff part. All of f is stiff where a system is not split.
+    ///
+    /// # Errors
+    /// [`OutOfDomain`] where it is not defined.
+    fn stiff(&mut self, t: RealOf<Y>, y: &Y, dy: &mut Y) -> Result<(), OutOfDomain> {
+        self.rhs(t, y, dy)
+    }
+
+    /// The Jacobian of the stiff part, as [`jacobian`](Self::jacobian) gives that of f.
+    fn stiff_jacobian(&mut self, t: RealOf<Y>, y: &Y, j: &mut Jacobian<Y::Scalar>) -> bool {
+        !self.is_split() && self.jacobian(t, y, j)
+    }
+
+    /// The rest, so that `rhs = stiff + nonstiff`.
+    ///
+    /// # Errors
+    /// [`OutOfDomain`] where it is not defined.
+    fn nonstiff(&mut self, _t: RealOf<Y>, _y: &Y, dy: &mut Y) -> Result<(), OutOfDomain> {
+        dy.as_mut_slice().fill(Y::Scalar::zero());
+        Ok(())
+    }
 }
 
 /// A system with its Jacobian in a closure of its own.
@@ -45,8 +73,25 @@ impl<Y: State, S: System<Y>, J: FnMut(RealOf<Y>, &Y, &mut Jacobian<Y::Scalar>)> 
         self.system.rhs(t, y, dy)
     }
     fn jacobian(&mut self, t: RealOf<Y>, y: &Y, j: &mut Jacobian<Y::Scalar>) -> bool {
+        // Of a sum it is that of the stiff part.
+        let whole = !self.system.is_split();
+        if whole {
+            (self.jacobian)(t, y, j);
+        }
+        whole
+    }
+    fn is_split(&self) -> bool {
+        self.system.is_split()
+    }
+    fn stiff(&mut self, t: RealOf<Y>, y: &Y, dy: &mut Y) -> Result<(), OutOfDomain> {
+        self.system.stiff(t, y, dy)
+    }
+    fn stiff_jacobian(&mut self, t: RealOf<Y>, y: &Y, j: &mut Jacobian<Y::Scalar>) -> bool {
         (self.jacobian)(t, y, j);
         true
+    }
+    fn nonstiff(&mut self, t: RealOf<Y>, y: &Y, dy: &mut Y) -> Result<(), OutOfDomain> {
+        self.system.nonstiff(t, y, dy)
     }
 }
 

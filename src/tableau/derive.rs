@@ -142,7 +142,10 @@ impl Tableau<'_> {
 
     /// Whether it is for y'' = f(t, y).
     pub fn second_order(&self) -> bool {
-        matches!(self.scheme, Scheme::Stormer(_) | Scheme::Nystrom { .. } | Scheme::Splitting(_))
+        matches!(
+            self.scheme,
+            Scheme::Stormer(_) | Scheme::Nystrom { .. } | Scheme::Splitting(_) | Scheme::Partitioned { .. }
+        )
     }
 
     /// Whether the stepper runs it.
@@ -199,6 +202,8 @@ impl Tableau<'_> {
             evaluations: match (&form, self.kind()) {
                 // Found together, but the first is the last of the step before.
                 (_, Stages::Full) => self.stages() - self.repeats() as usize,
+                // Of each part.
+                (Some(form), _) if form.split() => self.stages(),
                 (Some(form), _) => form.s,
                 (None, _) => self.stages(),
             },

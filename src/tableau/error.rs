@@ -127,8 +127,9 @@ impl TableauError {
     }
 
     pub(crate) fn not_steppable() -> Self {
-        let text =
-            Text::new().str("it is a pair for two right-hand sides: read and proven, but not stepped yet");
+        let text = Text::new().str(
+            "it is a pair whose stages would have to be found together: read and proven, but not stepped",
+        );
         Self::new(Broken::NotSteppable, 0, 0.0, text)
     }
 

@@ -172,6 +172,8 @@ pub struct Form {
     pub linear: bool,
     pub couple: [[D; STAGES]; STAGES],
     pub time: [D; STAGES],
+    /// Stage i evaluates the part of f that is not stiff, of an IMEX pair; all others evaluate the stiff part.
+    pub nonstiff: [bool; STAGES],
     /// Extra stages of the dense output; stage s + i evaluates f at c[s + i], row stage[s + i].
     pub extra: usize,
 }
@@ -196,6 +198,7 @@ impl Form {
         linear: false,
         couple: [[D::ZERO; STAGES]; STAGES],
         time: [D::ZERO; STAGES],
+        nonstiff: [false; STAGES],
         extra: 0,
     };
 
@@ -227,7 +230,12 @@ impl Form {
 
     /// The first stage is y itself, so that its slope may be known before the step.
     pub const fn starts_at_y(&self) -> bool {
-        self.stage[0].copies() && !matches!(self.stages(), Stages::Full)
+        self.stage[0].copies() && !matches!(self.stages(), Stages::Full) && !self.split()
+    }
+
+    /// The two parts of f are evaluated apart: an IMEX pair.
+    pub const fn split(&self) -> bool {
+        self.s > 1 && self.nonstiff[1]
     }
 
     /// The weights of the slopes in y', of a Runge-Kutta method.

@@ -7,9 +7,10 @@ use super::double_double::DoubleDouble as D;
 use super::form::{CARRIED, Form, Meaning, POWERS, Row, STAGES};
 use super::history::{History, multistep, predictor_corrector};
 use super::linear::rosenbrock;
+use super::pairs::{imex, partitioned};
 use super::{Array, Scheme, Splitting, Tableau};
 
-/// The one form of a method. `None` where it has none: pairs of tables step two right-hand sides.
+/// The one form of a method. `None` where it has none: a pair whose stages would have to be found together.
 pub(super) const fn lower(t: &Tableau) -> Option<Form> {
     let mut form = BLANK;
     if lower_to(t, &mut form) { Some(form) } else { None }
@@ -31,7 +32,8 @@ pub(super) const fn lower_to(t: &Tableau, form: &mut Form) -> bool {
             nystrom(t, &array, &bbar, end, form)
         }
         Scheme::Rosenbrock { alpha, gamma } => rosenbrock(t, alpha, gamma, form),
-        Scheme::Imex { .. } | Scheme::Partitioned { .. } => return false,
+        Scheme::Imex { explicit, implicit } => return imex(t, explicit, implicit, form),
+        Scheme::Partitioned { position, velocity } => return partitioned(t, position, velocity, form),
     }
     true
 }
@@ -126,7 +128,7 @@ pub(super) const fn runge_kutta(t: &Tableau, array: &Array, share: bool, form: &
 }
 
 /// An entry stands above the diagonal: the stages are found together, and the first one is one of them.
-const fn full(array: &Array) -> bool {
+pub(super) const fn full(array: &Array) -> bool {
     let mut i = 0;
     while i < array.stages {
         let mut j = i + 1;
@@ -179,7 +181,7 @@ const fn same(a: D, b: D) -> bool {
 
 /// z = (x, v), or (x, v, f) where the last stage is x' itself and the first one x. Stage i's F is source 2 + i
 /// either way. The step ends at t + `end` h, which is 1 up to rounding.
-const fn nystrom(t: &Tableau, array: &Array, bbar: &[D; STAGES], end: D, form: &mut Form) {
+pub(super) const fn nystrom(t: &Tableau, array: &Array, bbar: &[D; STAGES], end: D, form: &mut Form) {
     form.d = 2;
     let n = array.stages;
     let first = first_is_last(array, bbar, end) as usize;

@@ -9,6 +9,7 @@ mod history;
 mod linear;
 mod lower;
 mod number;
+mod pairs;
 mod prove;
 mod read;
 mod roots;
@@ -46,7 +47,7 @@ impl<'t> Tableau<'t> {
         }
     }
 
-    /// The lowered table; `None` for the families outside the one form (Rosenbrock, pairs of tables).
+    /// The lowered table; `None` for pairs of tables whose stages would have to be found together.
     pub fn form(&self) -> Option<Form> {
         lower::lower(self)
     }
