@@ -54,9 +54,11 @@ fn requested_times_are_met_to_the_last_bit_in_both_directions() {
                 let largest =
                     s.ts.iter().zip(&s.ys).map(|(t, y)| distance(y, &on_circle(*t))).fold(0.0, f64::max);
                 let end = distance(&s.y, &on_circle(t1));
-                // Between steps the error is of the same kind as at the end, where it may have turned to be small.
+                // Between steps the error is of the same kind as at the end, where it may have turned to be small;
+                // an interpolant of lower order errs more in long steps.
+                let lower = s.interpolant.order() < method.form().order;
                 assert!(
-                    largest < 30.0 * end + 1e-8,
+                    largest < 30.0 * end + if lower { 1e-4 } else { 1e-8 },
                     "{}: {largest:e} along the way, {end:e} at the end",
                     method.name()
                 );

@@ -262,8 +262,8 @@ fn dense_output_has_its_order() {
         match interpolant {
             Interpolant::Own { order } => assert_eq!(order, form.dense_order, "{}", known.name()),
             Interpolant::Hermite { order } => {
-                // Interpolation stops at order nine: gauss5 is of order ten.
-                let matching = order >= form.order.min(9) || form.d == 2;
+                // Implicit methods ask f for no slopes in between, which stiffness would spoil.
+                let matching = order >= form.order.min(9) || form.d == 2 || !form.explicit();
                 assert!(form.dense_order == 0 && matching, "{}: Hermite of order {order}", known.name());
             }
         }

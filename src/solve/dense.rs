@@ -42,7 +42,8 @@ impl<Y: State> Dense<Y> {
             let order = if form.means[..form.r].contains(&Meaning::V) { 5 } else { 2 };
             (Interpolant::Hermite { order }, 0)
         } else {
-            let interior = form.order.saturating_sub(3).min(NODES.len());
+            // Between the ends of a stiff step f would magnify the errors of the values it is given.
+            let interior = if form.explicit() { form.order.saturating_sub(3).min(NODES.len()) } else { 0 };
             (Interpolant::Hermite { order: interior + 3 }, interior)
         };
         Self {
@@ -130,6 +131,9 @@ impl<Y: State> Dense<Y> {
         self.carried = false;
         if let Some(i) = view.next_slope_at() {
             copy(&mut self.slopes[1], view.word(i));
+        } else if form.carry[0].last_y && !form.explicit() {
+            // The last stage stands at the end of the step, and its slope is better than f of its value.
+            copy(&mut self.slopes[1], view.word(form.r + form.s - 1));
         } else {
             ask(end, view.next(0), &mut self.slopes[1])?;
         }

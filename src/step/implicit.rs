@@ -266,7 +266,7 @@ impl<Y: State> Solver<Y> {
             if row.copies() {
                 if !(known && i == 0) {
                     let (z, f) = x.split_at_mut(form.r);
-                    self.effort.evaluations += 1;
+                    self.effort.evaluations += counted(form.nonstiff[i], system);
                     let base = row.base.unwrap_or(0);
                     let given = match form.nonstiff[i] {
                         true => system.nonstiff(at, &z[base], &mut f[i]),
@@ -279,7 +279,7 @@ impl<Y: State> Solver<Y> {
             }
             assemble_read::<Plain, Y>(&mut out[0], row, &powers, x);
             if row.diagonal.hi() == 0.0 {
-                self.effort.evaluations += 1;
+                self.effort.evaluations += counted(form.nonstiff[i], system);
                 let slope = &mut x[form.r + i];
                 let given = match form.nonstiff[i] {
                     true => system.nonstiff(at, &out[0], slope),
@@ -346,6 +346,18 @@ impl<Y: State> Solver<Y> {
         }
     }
 
+    /// A bound of h |lambda| for all eigenvalues lambda of the Jacobian last taken: its largest row sum in units of
+    /// what matters.
+    pub fn reach(&self, h: RealOf<Y>) -> f64 {
+        let (entries, weights) = (self.jacobian.entries(), self.weights.as_slice());
+        let n = weights.len();
+        let row = |i: usize| {
+            let entry = |j: usize| (entries[i + j * n] * weights[i] / weights[j]).modulus().to_f64();
+            (0..n).map(entry).sum::<f64>()
+        };
+        h.modulus().to_f64() * (0..n).map(row).fold(0.0, f64::max)
+    }
+
     /// f at the start of the step.
     pub(super) fn slope<S: System<Y>>(
         &mut self,
@@ -402,6 +414,11 @@ impl<Y: State> Solver<Y> {
         self.iteration.learn(&solved.map_err(refused)?);
         Ok(())
     }
+}
+
+/// Of a system in one part, the other is nothing to evaluate.
+fn counted<Y: State, S: System<Y>>(nonstiff: bool, system: &S) -> u64 {
+    u64::from(!nonstiff || system.is_split())
 }
 
 /// What f gave is a number.

@@ -8,6 +8,8 @@ pub trait Method: Clone {
     const FORM: Option<&'static Form>;
     /// The form is only known at run time.
     const READ: bool = false;
+    /// The run leaves it where it no longer fits.
+    const AUTO: bool = false;
     /// One vector for each z, F, Y and z' of the form.
     type Words<Y: Clone>: AsRef<[Y]> + AsMut<[Y]> + Clone;
 
@@ -33,7 +35,7 @@ impl<M: Method> Known<M> {
 #[derive(Clone)]
 pub struct Loaded {
     name: String,
-    form: Box<Form>,
+    pub(crate) form: Box<Form>,
 }
 
 impl Loaded {

@@ -55,6 +55,9 @@ impl<Y: State> System<Y> for Stiff<'_, Y> {
     fn jacobian(&mut self, t: RealOf<Y>, y: &Y, j: &mut Jacobian<Y::Scalar>) -> bool {
         self.0.stiff_jacobian(t, y, j)
     }
+    fn is_split(&self) -> bool {
+        self.0.is_split()
+    }
     fn nonstiff(&mut self, t: RealOf<Y>, y: &Y, dy: &mut Y) -> Result<(), OutOfDomain> {
         self.0.nonstiff(t, y, dy)
     }

@@ -3,6 +3,7 @@
 //! What is carried is written z = (y, older y, f) below. Every vector of it is a state or a slope of the
 //! solution at t_n or at t_n - k h, so whoever can integrate k steps by other means can start the method.
 
+use super::collocation::collocation;
 use super::double_double::DoubleDouble as D;
 use super::form::{CARRIED, Form, Meaning, POWERS, Row, STAGES};
 use super::history::{History, multistep, predictor_corrector};
@@ -20,7 +21,12 @@ pub(super) const fn lower(t: &Tableau) -> Option<Form> {
 /// is not copied from frame to frame.
 pub(super) const fn lower_to(t: &Tableau, form: &mut Form) -> bool {
     match &t.scheme {
-        Scheme::RungeKutta(array) => runge_kutta(t, array, !full(array), form),
+        Scheme::RungeKutta(array) => {
+            runge_kutta(t, array, !full(array), form);
+            if full(array) && array.powers == 0 {
+                collocation(array, form);
+            }
+        }
         Scheme::Multistep(steps) => multistep(t, steps, 1, form),
         Scheme::Stormer(steps) => multistep(t, steps, 2, form),
         Scheme::PredictorCorrector { predictor, corrector, evaluates } => {

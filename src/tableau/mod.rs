@@ -1,5 +1,6 @@
 //! Methods as data: a file becomes a [`Tableau`], is proven, and is lowered to the one [`Form`] that steps.
 
+mod collocation;
 mod criteria;
 mod derive;
 mod double_double;
