@@ -74,6 +74,7 @@ mod step;
 pub mod tableau;
 
 pub use linear::Jacobian;
+pub use solve::auto::{Auto, Choice, Reason};
 pub use solve::control::Controller;
 pub use solve::event::Crossing;
 pub use solve::ivp::{Ivp, solve, solve_second, solve_split};

@@ -16,14 +16,19 @@ use crate::step::stepper::Stepper;
 use crate::step::system::System;
 use crate::tableau::{Form, Meaning};
 use num_traits::Zero;
+use std::ops::ControlFlow;
 
 impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
-    /// Sets out for `stop` from where the run is. None where the starting steps already reached it.
-    pub(super) fn begin(&mut self, stop: RealOf<Y>) -> Result<Option<Leg<M, Y, S>>, Why> {
-        let Some(mut system) = self.system.take() else { return Ok(None) };
-        let method = self.method.clone();
+    /// Sets out for `stop` from where the run is. Gives the system back where the starting steps already
+    /// reached it.
+    pub(super) fn begin<N: Method, T: System<Y>>(
+        &mut self,
+        method: N,
+        mut system: T,
+        stop: RealOf<Y>,
+    ) -> Result<ControlFlow<T, Leg<N, Y, T>>, Why> {
+        let mut stepper = Stepper::new(method.clone(), &self.y);
         let form = form_of(&method);
-        let mut stepper = Stepper::new(self.method.clone(), &self.y);
         // A break is met a few spacings early, where f still has its left value; spacings of zero are those
         // of what rounding leaves of the way there.
         let nudge = (stop.ulp() * RealOf::<Y>::from_f64(4.0)).maximum((stop - self.t).ulp().ulp());
@@ -36,8 +41,7 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
         if stop == self.t || (end > self.t) != (stop > self.t) {
             self.t = stop;
             self.stops.pop();
-            self.system = Some(system);
-            return Ok(None);
+            return Ok(ControlFlow::Break(system));
         }
         let (mut steps, mut h) = (0, RealOf::<Y>::zero());
         if !P::ADAPTIVE {
@@ -51,11 +55,11 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
         let mut history = History { ys: vec![self.y.clone()], slopes: vec![] };
         let behind = (steps_behind(form) as u64).min(steps);
         // Compiled only where there may be old steps to make.
-        if const { M::READ || !Known::<M>::FORM.one_step() } && behind > 0 {
+        if const { N::READ || !Known::<N>::FORM.one_step() } && behind > 0 {
             let begun = Begun { origin, h, steps, end, stop, behind };
             match self.first_steps(system, form, begun, &mut history)? {
-                Some(lent) => system = lent,
-                None => return Ok(None),
+                ControlFlow::Continue(lent) => system = lent,
+                ControlFlow::Break(lent) => return Ok(ControlFlow::Break(lent)),
             }
         }
         self.stats.evaluations +=
@@ -95,7 +99,7 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
             let size = size.minimum((end - self.t).modulus()).minimum(self.rules.max_step);
             h = if end > self.t { size } else { -size };
         }
-        Ok(Some(Leg {
+        Ok(ControlFlow::Continue(Leg {
             stepper,
             system,
             t: self.t,
@@ -112,19 +116,20 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
             stats: self.stats,
             known,
             last: self.h,
+            stiffness: self.chooser.stiffness.take(),
         }))
     }
 
     /// Takes the steps that lie behind the first step of a multistep method, with a one-step one. Gives the
     /// system back, or nothing where the run ended, changed course or reached its stop on the way.
     #[inline(never)]
-    fn first_steps(
+    fn first_steps<T: System<Y>>(
         &mut self,
-        mut system: S,
+        mut system: T,
         form: &Form,
         Begun { origin, h, steps, end, stop, behind }: Begun<RealOf<Y>>,
         history: &mut History<Y>,
-    ) -> Result<Option<S>, Why> {
+    ) -> Result<ControlFlow<T, T>, Why> {
         let starter = self.options.starter.clone().unwrap_or_else(|| starter(form));
         let mut first = Stepper::new(starter.clone(), &self.y);
         let lone = History { ys: vec![self.y.clone()], slopes: vec![] };
@@ -139,7 +144,7 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
             history.slopes.push(slope);
             self.stats.evaluations += first.form().s as u64;
             first
-                .attempt::<Plain, S>(&mut system, (self.t, next), h, false, &mut None)
+                .attempt::<Plain, T>(&mut system, (self.t, next), h, false, &mut None)
                 .map_err(|refused| self.refused(refused.stage))?;
             if first_non_finite(first.next(0)).is_some()
                 && let Some(why) = not_finite(first.view())
@@ -161,10 +166,12 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
                     Flow::Stop => self.done = true,
                     Flow::Change(at) => {
                         self.stats.accepted += 1;
-                        self.system = Some(system);
                         self.land(at);
                         self.note_early();
-                        return self.watch.guard_against_endless_events().map(|()| None);
+                        return self
+                            .watch
+                            .guard_against_endless_events()
+                            .map(|()| ControlFlow::Break(system));
                     }
                 }
             }
@@ -178,15 +185,14 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
                 self.v = Some(first.word(j).clone());
             }
             if self.done || i == steps {
-                self.system = Some(system);
                 if i == steps {
                     self.stops.pop();
                     self.done |= self.stops.is_empty();
                 }
-                return Ok(None);
+                return Ok(ControlFlow::Break(system));
             }
         }
-        Ok(Some(system))
+        Ok(ControlFlow::Continue(system))
     }
 
     /// A step of fixed size was refused.

@@ -1,5 +1,6 @@
 //! An initial value problem and how to solve it.
 
+use super::auto::Auto;
 use super::control::Controller;
 use super::event::{Crossing, Event, Then};
 use super::outcome::{Solution, Stopped};
@@ -7,7 +8,6 @@ use super::run::{Adaptive, Fixed, Pace};
 use super::steps::Steps;
 use super::watch::Step;
 use crate::linear::Jacobian;
-use crate::methods::Tsit54;
 use crate::step::method::{Loaded, Method};
 use crate::step::norm::Tolerance;
 use crate::step::scalar::Real;
@@ -80,7 +80,7 @@ where
 }
 
 /// An initial value problem with its method and options. Every option has a default.
-pub struct Ivp<'w, Y: State, S, M = Tsit54, P = Adaptive> {
+pub struct Ivp<'w, Y: State, S, M = Auto, P = Adaptive> {
     pub(crate) system: S,
     pub(crate) y0: Y,
     pub(crate) v0: Option<Y>,
@@ -128,7 +128,7 @@ impl<'w, Y: State, S: System<Y>> Ivp<'w, Y, S> {
             events: vec![],
             observer: None,
         };
-        Self { system, y0, v0: None, span, method: Tsit54, options, pace: PhantomData }
+        Self { system, y0, v0: None, span, method: Auto::default(), options, pace: PhantomData }
     }
 
     /// The same as [`solve_second`], for a struct that is a [`System`].
@@ -145,7 +145,7 @@ impl<'w, Y: State, S: System<Y>> Ivp<'w, Y, S> {
 }
 
 impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Ivp<'w, Y, S, M, P> {
-    /// The method. Default: `Tsit54`; for y'' = f(t, y): `VelocityVerlet`.
+    /// The method. Default: [`Auto`]; for y'' = f(t, y): `VelocityVerlet`; for f in two parts: `Kencarp4Imex`.
     pub fn with<N: Method>(self, method: N) -> Ivp<'w, Y, S, N, P> {
         let Self { system, y0, v0, span, options, pace, .. } = self;
         Ivp { system, y0, v0, span, method, options, pace }

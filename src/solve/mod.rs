@@ -1,5 +1,6 @@
 //! From an initial value problem to a solution: options, the loop, what looks on, what comes back.
 
+pub(crate) mod auto;
 mod begin;
 mod blame;
 mod check;
@@ -11,4 +12,5 @@ pub(crate) mod outcome;
 pub(crate) mod run;
 mod start;
 pub(crate) mod steps;
+pub(crate) mod stiffness;
 pub(crate) mod watch;

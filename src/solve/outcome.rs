@@ -1,5 +1,6 @@
 //! What a run gives back: a solution, or why it stopped and everything computed so far.
 
+use super::auto::Choice;
 use crate::linear::Effort;
 use crate::step::scalar::Shown;
 use crate::step::state::{RealOf, State};
@@ -115,6 +116,8 @@ pub struct Solution<Y: State> {
     pub h: RealOf<Y>,
     /// What was or would be used between steps.
     pub interpolant: Interpolant,
+    /// The methods that [`Auto`](crate::Auto) took up, the first one at the start; empty where one was named.
+    pub choices: Vec<Choice<RealOf<Y>>>,
 }
 
 /// A root of an event function.

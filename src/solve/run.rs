@@ -3,6 +3,7 @@
 use super::blame::{first_slope_is_finite, not_finite, vote};
 use super::control::Control;
 use super::outcome::{Stats, Why};
+use super::stiffness::Stiffness;
 use super::watch::{Flow, Watch};
 use crate::step::implicit::Solver;
 use crate::step::method::{Known, Method};
@@ -71,6 +72,35 @@ pub(crate) struct Leg<M: Method, Y: State, S> {
     pub known: bool,
     /// The size of the last accepted step.
     pub last: RealOf<Y>,
+    /// Looks for the beginning or the end of stiffness.
+    pub stiffness: Option<Stiffness>,
+}
+
+impl<M: Method, Y: State, S> Leg<M, Y, S> {
+    /// The same leg with another system, and its own.
+    pub fn with<T>(self, system: T) -> (Leg<M, Y, T>, S) {
+        let Leg { stepper, system: own, t, end, stop, h, origin, index, steps, lost, .. } = self;
+        let Leg { control, solver, stats, known, last, stiffness, .. } = self;
+        let leg = Leg {
+            stepper,
+            system,
+            t,
+            end,
+            stop,
+            h,
+            origin,
+            index,
+            steps,
+            lost,
+            control,
+            solver,
+            stats,
+            known,
+            last,
+            stiffness,
+        };
+        (leg, own)
+    }
 }
 
 /// How a leg ended.
@@ -82,6 +112,8 @@ pub(crate) enum Ended {
     Stopped,
     /// An event changed the state: a new leg begins at the leg's `t`.
     Changed,
+    /// Stiffness began, or ended.
+    Turned,
     Failed(Why),
 }
 
@@ -142,6 +174,7 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
         mut stats,
         mut known,
         mut last,
+        mut stiffness,
         ..
     } = leg;
     let form = form_of(&stepper.method);
@@ -156,6 +189,7 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
         unseen_slope(form)
     };
     let mut before = h;
+    let mut look = stiffness.as_ref().map_or(u64::MAX, |stiffness| stiffness.look);
     let longest = rules.max_step * (RealOf::<Y>::one() + RealOf::<Y>::from_f64(16.0) * RealOf::<Y>::EPSILON);
     let watching = watch.active();
     let implicit = const { M::READ || !Known::<M>::FORM.explicit() } && solver.is_some();
@@ -309,6 +343,18 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
                 }
             }
         }
+        let mut turned = false;
+        if const { P::ADAPTIVE && (M::AUTO || M::READ) }
+            && stats.accepted >= look
+            && let Some(stiffness) = &mut stiffness
+        {
+            turned = match &solver {
+                Some(solver) if const { M::READ } => stiffness.ends(solver.reach(step)),
+                _ => lend(&stepper, |s| stiffness.begins(s, &rules.tolerance)),
+            };
+            look = stiffness.next_look(stats.accepted);
+            stiffness.look = look;
+        }
         stepper.accept();
         if implicit && let Some(solver) = &mut solver {
             solver.moved();
@@ -341,6 +387,7 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
         match flow {
             Flow::Stop => break Ended::Stopped,
             _ if lands => break Ended::Reached,
+            _ if turned => break Ended::Turned,
             Flow::Pause => break Ended::Paused,
             _ => {}
         }
@@ -362,6 +409,7 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
             stats,
             known,
             last,
+            stiffness,
         },
         ended,
     )

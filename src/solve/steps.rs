@@ -1,5 +1,6 @@
 //! A run from leg to leg: between breaks and events, with a start at each.
 
+use super::auto::{Chooser, Lent};
 use super::check::check;
 use super::control::Controller;
 use super::dense::Dense;
@@ -7,7 +8,7 @@ use super::ivp::{Ivp, Options};
 use super::outcome::{Solution, Stats, Stopped, Why};
 use super::run::{Ended, Leg, Pace, Rules, run_leg};
 use super::watch::Watch;
-use crate::step::method::Method;
+use crate::step::method::{Loaded, Method};
 use crate::step::norm::Tolerance;
 use crate::step::row::form_of;
 use crate::step::scalar::{Real, Scalar};
@@ -17,6 +18,7 @@ use crate::tableau::Meaning;
 use num_traits::{One, Zero};
 use std::collections::VecDeque;
 use std::marker::PhantomData;
+use std::ops::ControlFlow;
 
 /// A run in progress. As an iterator it gives the time and the state after each accepted step, and at
 /// last, if it stopped early, why.
@@ -25,6 +27,9 @@ pub struct Steps<'w, Y: State, S, M: Method, P> {
     /// Lent to a leg while it runs.
     pub(super) system: Option<S>,
     pub(super) leg: Option<Leg<M, Y, S>>,
+    /// A leg of another method than the run's own, at rest.
+    pub(super) stiff_leg: Option<Leg<Loaded, Y, ()>>,
+    pub(super) chooser: Chooser<RealOf<Y>>,
     pub(super) t: RealOf<Y>,
     pub(super) y: Y,
     pub(super) v: Option<Y>,
@@ -96,10 +101,13 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         let controller = options.controller.unwrap_or_default();
         let stats = Stats::default();
         let h = RealOf::<Y>::zero();
+        let chooser = Chooser::new(M::AUTO && P::ADAPTIVE, &method, y0.as_slice().len(), t);
         let mut run = Self {
             method,
             system: Some(system),
             leg: None,
+            stiff_leg: None,
+            chooser,
             t,
             y: y0,
             v: v0,
@@ -151,6 +159,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             stats: self.stats,
             h: self.h,
             interpolant: watch.dense.interpolant,
+            choices: std::mem::take(&mut self.chooser.choices),
         }
     }
 
@@ -163,49 +172,97 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             self.save_here();
             self.watch.next += 1;
         }
-        let leg = match self.leg.take() {
-            Some(leg) => leg,
-            None => match self.stops.last() {
-                Some(&stop) => match self.begin(stop)? {
-                    Some(leg) if self.early.is_empty() => leg,
-                    leg => {
-                        self.leg = leg;
-                        return Ok(());
-                    }
-                },
-                None => {
-                    self.done = true;
+        let Some(&stop) = self.stops.last() else {
+            self.done = true;
+            return Ok(());
+        };
+        if const { M::AUTO } && self.chooser.stiff {
+            return self.advance_stiff(stop);
+        }
+        let leg = match (self.leg.take(), self.system.take()) {
+            (Some(leg), _) => leg,
+            (None, Some(system)) => match self.begin(self.method.clone(), system, stop)? {
+                ControlFlow::Continue(leg) if self.early.is_empty() => leg,
+                ControlFlow::Continue(leg) => {
+                    self.leg = Some(leg);
+                    return Ok(());
+                }
+                ControlFlow::Break(system) => {
+                    self.system = Some(system);
                     return Ok(());
                 }
             },
+            (None, None) => return Ok(()),
         };
-        let (leg, ended) = run_leg::<M, Y, S, P>(leg, &self.rules, &mut self.watch);
+        let (left, result) = self.go(leg);
+        match left {
+            Left::Leg(leg) => self.leg = Some(*leg),
+            Left::System(system) => self.system = Some(system),
+        }
+        result
+    }
+
+    /// The same with the method for stiff problems, to which the system is lent.
+    fn advance_stiff(&mut self, stop: RealOf<Y>) -> Result<(), Why> {
+        let Some(mut system) = self.system.take() else { return Ok(()) };
+        let lent = Lent(&mut system);
+        let leg = match self.stiff_leg.take() {
+            Some(leg) => ControlFlow::Continue(leg.with(lent).0),
+            None => self.begin(self.chooser.method(&self.rules.tolerance), lent, stop)?,
+        };
+        let result = match leg {
+            ControlFlow::Break(_) => Ok(()),
+            ControlFlow::Continue(leg) => {
+                let (left, result) = self.go(leg);
+                if let Left::Leg(leg) = left {
+                    self.stiff_leg = Some(leg.with(()).0);
+                }
+                result
+            }
+        };
+        self.system = Some(system);
+        result
+    }
+
+    /// Runs a leg until something happens, and takes note of where it came.
+    fn go<N: Method, T: System<Y>>(&mut self, leg: Leg<N, Y, T>) -> (Left<N, Y, T>, Result<(), Why>) {
+        let (mut leg, ended) = run_leg::<N, Y, T, P>(leg, &self.rules, &mut self.watch);
         self.stats = leg.stats;
         (self.t, self.h, self.tried) = (leg.t, leg.last, leg.h);
+        if !matches!(ended, Ended::Paused) {
+            self.chooser.stiffness = leg.stiffness.take();
+        }
         if let Ended::Changed = ended {
-            self.system = Some(leg.system);
             self.land(leg.t);
-            return self.watch.guard_against_endless_events();
+            return (Left::System(leg.system), self.watch.guard_against_endless_events());
         }
         self.y.as_mut_slice().copy_from_slice(leg.stepper.y().as_slice());
         match ended {
-            Ended::Paused => {
-                self.leg = Some(leg);
-                return Ok(());
-            }
+            Ended::Paused => return (Left::Leg(Box::new(leg)), Ok(())),
             Ended::Reached => self.t = self.stops.pop().unwrap_or(leg.t),
             Ended::Stopped => self.done = true,
+            Ended::Turned => {
+                self.options.step = Some(leg.h.modulus());
+                self.chooser.turn(leg.t, self.method.name(), &self.rules.tolerance);
+                let form = match self.chooser.stiff {
+                    true => &*self.chooser.method(&self.rules.tolerance).form,
+                    false => form_of(&self.method),
+                };
+                self.watch.dense = Dense::new(form, &self.y);
+            }
             Ended::Failed(_) | Ended::Changed => {}
         }
-        self.velocity_here(leg);
+        let system = self.velocity_here(leg);
         self.watch.dense.forget();
-        match ended {
+        let result = match ended {
             Ended::Failed(why) => Err(why),
+            Ended::Turned => Ok(()),
             _ => {
                 self.done |= self.stops.is_empty() && self.watch_is_served();
                 Ok(())
             }
-        }
+        };
+        (Left::System(system), result)
     }
 
     /// No requested time is left at the end of the span.
@@ -224,7 +281,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
     }
 
     /// The velocity at the end of a leg of y'' = f(t, y): carried, or `(x_n - x_(n-1))/h + h/2 f_n`.
-    fn velocity_here(&mut self, leg: Leg<M, Y, S>) {
+    fn velocity_here<N: Method, T: System<Y>>(&mut self, leg: Leg<N, Y, T>) -> T {
         let Leg { stepper, mut system, t, h, mut stats, .. } = leg;
         let form = form_of(&stepper.method);
         if form.d == 2 {
@@ -247,7 +304,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             }
         }
         self.stats = stats;
-        self.system = Some(system);
+        system
     }
 
     /// An event ended a leg at this time.
@@ -258,6 +315,12 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         self.watch.dense.forget();
         self.done = self.watch.over;
     }
+}
+
+/// What is left of a leg that was run: itself, where it only paused.
+enum Left<M: Method, Y: State, S> {
+    Leg(Box<Leg<M, Y, S>>),
+    System(S),
 }
 
 /// The breaks inside the span and its end, in reverse order; those closer than a few spacings are one.

@@ -1,0 +1,160 @@
+//! The method chosen in the course of the run: explicit until stability, not accuracy, sets the steps; then one for
+//! stiff problems until that has an end.
+
+use super::stiffness::{Stiffness, real_limit};
+use crate::linear::Jacobian;
+use crate::methods::{RadauIia5, Rodas5p, Tsit54};
+use crate::step::method::{Known, Loaded, Method};
+use crate::step::norm::Tolerance;
+use crate::step::row::form_of;
+use crate::step::scalar::{Real, Shown};
+use crate::step::state::{RealOf, State};
+use crate::step::system::{OutOfDomain, System};
+use crate::tableau::Form;
+use std::fmt;
+
+/// What [`solve`](crate::solve) uses when no method is named.
+///
+/// A run begins with the explicit method. From two stages at the same time it estimates h |lambda|, the step against
+/// the fastest motion that the equation has (Hairer, Wanner 1996, IV.2). Where that stands at nine tenths of the
+/// method's stability limit or above, in fifteen looks with no six in between that say otherwise, stability sets the
+/// steps: the problem is stiff here, and the run goes on with `Rodas5p`, or with `RadauIia5` where rtol is below
+/// 1e-8. It returns to the explicit method where the norm of h J has been below half the limit for ten steps, twice as
+/// many after each return of stiffness. [`Solution::choices`](crate::Solution::choices) tells what was
+/// chosen, when and why.
+///
+/// Above 2000 components it stays explicit: a Jacobian would be larger than what is asked for.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Auto<E = Tsit54>(E);
+
+impl<E: Method> Auto<E> {
+    /// With another explicit method, which has two stages at the same time.
+    pub fn from(explicit: E) -> Self {
+        Self(explicit)
+    }
+}
+
+impl<E: Method> Method for Auto<E> {
+    const FORM: Option<&'static Form> = E::FORM;
+    const READ: bool = E::READ;
+    const AUTO: bool = true;
+    type Words<Y: Clone> = E::Words<Y>;
+
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+    fn form(&self) -> &Form {
+        self.0.form()
+    }
+    fn words<Y: Clone>(&self, y: &Y) -> Self::Words<Y> {
+        self.0.words(y)
+    }
+}
+
+/// More components than this have no dense Jacobian.
+const DENSE: usize = 2000;
+/// Below this rtol the steps of a method of order five are too many.
+const TIGHT: f64 = 1e-8;
+
+/// A method that [`Auto`] took up.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Choice<R> {
+    /// From this time on.
+    pub t: R,
+    pub method: String,
+    pub reason: Reason,
+}
+
+/// Why [`Auto`] took up a method.
+#[derive(Clone, Copy, PartialEq, Debug)]
+#[non_exhaustive]
+pub enum Reason {
+    /// Every run begins with the explicit one.
+    Start,
+    /// Stability set the steps of the explicit method: its h |lambda|, and its limit.
+    Stiff { reach: f64, limit: f64 },
+    /// Stability would no longer limit the explicit method: a bound of h |lambda|, and its limit.
+    NoLongerStiff { reach: f64, limit: f64 },
+}
+
+impl<R: Real> fmt::Display for Choice<R> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{} from t = {}", self.method, Shown(self.t))?;
+        match self.reason {
+            Reason::Start => Ok(()),
+            Reason::Stiff { reach, limit } => {
+                write!(f, ": stability set the steps, h |lambda| = {reach:.2} of at most {limit:.2}")
+            }
+            Reason::NoLongerStiff { reach, limit } => {
+                write!(
+                    f,
+                    ": stability would not limit the steps, h |lambda| <= {reach:.2e} of at most {limit:.2}"
+                )
+            }
+        }
+    }
+}
+
+/// The state of the choice in a run.
+pub(crate) struct Chooser<R> {
+    /// The method in hand is one for stiff problems.
+    pub stiff: bool,
+    /// Taken along by the leg that runs.
+    pub stiffness: Option<Stiffness>,
+    pub choices: Vec<Choice<R>>,
+}
+
+impl<R: Real> Chooser<R> {
+    /// `auto` is false where the method was named.
+    pub fn new<M: Method>(auto: bool, method: &M, n: usize, t: R) -> Self {
+        let (name, form) = (method.name(), form_of(method));
+        let limit = match const { if M::AUTO && !M::READ { real_limit(Known::<M>::FORM) } else { 0.0 } } {
+            0.0 if auto => real_limit(form),
+            known => known,
+        };
+        let stiffness = (auto && n <= DENSE).then(|| Stiffness::new(form, limit));
+        let start = || Choice { t, method: name.to_string(), reason: Reason::Start };
+        let choices = auto.then(start).into_iter().collect();
+        Self { stiff: false, stiffness, choices }
+    }
+
+    /// The method for stiff problems.
+    pub fn method(&self, tolerance: &Tolerance<R>) -> Loaded {
+        let tightest = match tolerance {
+            Tolerance::Scalar { rtol, .. } => rtol.to_f64(),
+            Tolerance::Each(each) => each.iter().map(|(rtol, _)| rtol.to_f64()).fold(1.0, f64::min),
+        };
+        if tightest < TIGHT {
+            Loaded::of(RadauIia5.name(), RadauIia5.form())
+        } else {
+            Loaded::of(Rodas5p.name(), Rodas5p.form())
+        }
+    }
+
+    /// The leg's watch asked for another method.
+    pub fn turn(&mut self, t: R, explicit: &str, tolerance: &Tolerance<R>) {
+        self.stiff = !self.stiff;
+        let (mut reach, mut limit) = (0.0, 0.0);
+        if let Some(stiffness) = &mut self.stiffness {
+            (reach, limit) = (stiffness.seen, stiffness.limit);
+            stiffness.turned(self.stiff);
+        }
+        let (method, reason) = match self.stiff {
+            true => (self.method(tolerance).name().to_string(), Reason::Stiff { reach, limit }),
+            false => (explicit.to_string(), Reason::NoLongerStiff { reach, limit }),
+        };
+        self.choices.push(Choice { t, method, reason });
+    }
+}
+
+/// A system lent to a leg of another type than the run's own: compiled once for a state.
+pub(super) struct Lent<'s, Y>(pub &'s mut dyn System<Y>);
+
+impl<Y: State> System<Y> for Lent<'_, Y> {
+    fn rhs(&mut self, t: RealOf<Y>, y: &Y, dy: &mut Y) -> Result<(), OutOfDomain> {
+        self.0.rhs(t, y, dy)
+    }
+    fn jacobian(&mut self, t: RealOf<Y>, y: &Y, j: &mut Jacobian<Y::Scalar>) -> bool {
+        self.0.jacobian(t, y, j)
+    }
+}
