@@ -1,5 +1,6 @@
 //! Values between steps: the table's own interpolant, else Hermite interpolation of matching order.
 
+use super::collocation::Collocation;
 use super::outcome::{Interpolant, Why, first_non_finite};
 use crate::step::scalar::{Real, Scalar};
 use crate::step::state::{RealOf, State};
@@ -23,6 +24,9 @@ pub(crate) struct Dense<Y: State> {
     pub interpolant: Interpolant,
     /// Interior points of the Hermite interpolant.
     interior: usize,
+    /// With a mass matrix f gives no slopes: those of the stages have to do.
+    mass: bool,
+    collocation: Option<Collocation>,
     /// Hermite levels with 0, 1, .. interior points, made when first needed.
     levels: Vec<Level>,
     /// Own: slopes of the extra stages. Hermite: slopes at the start, the end, the interior points.
@@ -35,9 +39,15 @@ pub(crate) struct Dense<Y: State> {
 }
 
 impl<Y: State> Dense<Y> {
-    pub fn new(form: &Form, y: &Y) -> Self {
+    pub fn new(form: &Form, y: &Y, mass: bool) -> Self {
+        let collocation =
+            if mass && form.dense_order == 0 { Collocation::of(form) } else { None };
         let (interpolant, interior) = if form.dense_order > 0 {
             (Interpolant::Own { order: form.dense_order }, 0)
+        } else if collocation.is_some() {
+            (Interpolant::Collocation { order: form.s }, 0)
+        } else if mass {
+            (Interpolant::Hermite { order: form.order.min(3) }, 0)
         } else if form.d == 2 {
             let order = if form.means[..form.r].contains(&Meaning::V) { 5 } else { 2 };
             (Interpolant::Hermite { order }, 0)
@@ -48,6 +58,8 @@ impl<Y: State> Dense<Y> {
         Self {
             interpolant,
             interior,
+            mass,
+            collocation,
             levels: vec![],
             slopes: vec![],
             value: y.clone(),
@@ -69,13 +81,35 @@ impl<Y: State> Dense<Y> {
         &self.slopes[1]
     }
 
+    /// A leg begins with this slope, which f does not give.
+    pub fn begin(&mut self, slope: &Y) {
+        if self.slopes.len() < 2 {
+            self.slopes = vec![self.value.clone(); 2];
+        }
+        copy(&mut self.slopes[1], slope);
+        (self.ready, self.carried) = (false, !self.is_own());
+    }
+
+    /// Looks at every step: the slope at its end is that at the start of the next.
+    pub fn follows(&self) -> bool {
+        self.mass && !self.is_own()
+    }
+
+    /// With a mass matrix: the stages give what lies between steps, by an interpolant of their own or by the slope
+    /// at the end of the step.
+    pub fn can_serve_mass(form: &Form) -> bool {
+        form.dense_order > 0
+            || Collocation::of(form).is_some()
+            || end_stage(form).is_some()
+    }
+
     /// A new leg begins somewhere else.
     pub fn forget(&mut self) {
         (self.ready, self.carried) = (false, false);
     }
 
     fn is_own(&self) -> bool {
-        matches!(self.interpolant, Interpolant::Own { .. })
+        !matches!(self.interpolant, Interpolant::Hermite { .. })
     }
 
     /// Evaluates what the interpolant needs beside the stages, once per step, and counts it.
@@ -105,9 +139,9 @@ impl<Y: State> Dense<Y> {
         let count = if self.is_own() { form.extra } else { 2 + self.interior };
         if self.slopes.len() < count {
             self.slopes = vec![self.value.clone(); count];
-            if !self.is_own() && form.d == 1 {
-                self.levels = (0..=self.interior).map(Level::new).collect();
-            }
+        }
+        if self.levels.is_empty() && !self.is_own() && form.d == 1 {
+            self.levels = (0..=self.interior).map(Level::new).collect();
         }
         if self.is_own() {
             for i in 0..form.extra {
@@ -128,7 +162,7 @@ impl<Y: State> Dense<Y> {
             ask(t, view.y(), &mut self.slopes[0])?;
         }
         self.carried = false;
-        if let Some(i) = view.next_slope_at() {
+        if let Some(i) = view.next_slope_at().or_else(|| end_stage(form).filter(|_| self.mass)) {
             copy(&mut self.slopes[1], view.word(i));
         } else {
             ask(end, view.next(0), &mut self.slopes[1])?;
@@ -150,6 +184,9 @@ impl<Y: State> Dense<Y> {
     /// y at t + theta h, after [`prepare`](Self::prepare).
     pub fn at(&self, view: View<Y>, h: RealOf<Y>, theta: RealOf<Y>, out: &mut Y) {
         let form = view.form;
+        if let Some(collocation) = &self.collocation {
+            return collocation.at(view, h, theta, out);
+        }
         match self.levels.last() {
             Some(level) => hermite(out, &level.weights(theta), h, view.y(), view.next(0), &self.slopes),
             None if form.d == 2 => {
@@ -250,6 +287,11 @@ impl<Y: State> Dense<Y> {
             add(&mut self.value, RealOf::<Y>::one(), &x[base]);
         }
     }
+}
+
+/// The slope of a last stage that is y' itself.
+fn end_stage(form: &Form) -> Option<usize> {
+    (form.carry[0].last_y && !form.linear).then(|| form.r + form.s - 1)
 }
 
 /// A Hermite polynomial with some interior points, as a map from data to coefficients of theta^1, theta^2, ..

@@ -3,6 +3,7 @@
 mod begin;
 mod blame;
 mod check;
+mod collocation;
 pub(crate) mod control;
 mod dense;
 pub(crate) mod event;

@@ -7,6 +7,7 @@ use super::ivp::{Ivp, Options};
 use super::outcome::{Solution, Stats, Stopped, Why};
 use super::run::{Ended, Leg, Pace, Rules, run_leg};
 use super::watch::Watch;
+use crate::linear::Known;
 use crate::step::method::Method;
 use crate::step::norm::Tolerance;
 use crate::step::row::form_of;
@@ -39,6 +40,8 @@ pub struct Steps<'w, Y: State, S, M: Method, P> {
     pub(super) options: Options<'w, Y>,
     pub(super) watch: Watch<'w, Y>,
     pub(super) stats: Stats,
+    /// What is known of the matrices of implicit stages, from the first leg on.
+    pub(super) matrices: Option<Known<Y::Scalar>>,
     /// Why the run cannot go on.
     pub(super) failed: Option<Why>,
     /// Steps that started a multistep method and are still to be given by the iterator.
@@ -89,7 +92,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             occurrences: vec![],
             landed: None,
             over: false,
-            dense: Dense::new(form, &y0),
+            dense: Dense::new(form, &y0, options.mass.is_some()),
             point: y0.clone(),
             second_order: form.d == 2,
         };
@@ -112,6 +115,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             options,
             watch,
             stats,
+            matrices: None,
             failed,
             early: VecDeque::new(),
             done: false,
