@@ -2,7 +2,7 @@
 
 use kutta::problems::{Problem, RobertsonUntil1e11, RobertsonUntil40};
 use kutta::tableau::Stages;
-use kutta::{Interpolant, Ivp, Loaded, Mass, Method, Solution, Stopped, Why, methods, solve};
+use kutta::{Interpolant, Ivp, Jacobian, Loaded, Mass, Method, OutOfDomain, Solution, Stopped, System, Why, methods, solve};
 
 /// Methods with implicit stages.
 fn implicit() -> Vec<Loaded> {
@@ -22,6 +22,27 @@ fn mixed(t: f64, y: &[f64; 2], dy: &mut [f64; 2]) {
     *dy = [f + g, f - 2.0 * g];
 }
 
+/// The same with its derivatives: by differences they would stop the highest orders short.
+struct Mixed;
+
+impl System<[f64; 2]> for Mixed {
+    fn rhs(&mut self, t: f64, y: &[f64; 2], dy: &mut [f64; 2]) -> Result<(), OutOfDomain> {
+        mixed(t, y, dy);
+        Ok(())
+    }
+    fn jacobian(&mut self, _t: f64, &[y, z]: &[f64; 2], j: &mut Jacobian<f64>) -> bool {
+        let (f, g) = ([-2.0 * z * (1.0 + y), -y * (2.0 + y)], [z, 2.0 + y]);
+        for k in 0..2 {
+            (j[(0, k)], j[(1, k)]) = (f[k] + g[k], f[k] - 2.0 * g[k]);
+        }
+        true
+    }
+    fn time_derivative(&mut self, t: f64, _y: &[f64; 2], dfdt: &mut [f64; 2]) -> bool {
+        *dfdt = [-t.sin(); 2];
+        true
+    }
+}
+
 fn mixed_mass(m: &mut Mass<f64>) {
     (m[(0, 0)], m[(1, 0)]) = (1.0, 1.0);
 }
@@ -37,12 +58,12 @@ fn every_method_that_takes_a_mass_matrix_keeps_its_order() {
     for method in implicit() {
         let p = property(method.name());
         let errors = |n: u32| -> Result<[f64; 2], Stopped<[f64; 2]>> {
-            let ivp = solve(mixed, mixed_exact(0.0), 0.0..1.6).with(method.clone()).mass(mixed_mass);
+            let ivp = Ivp::new(Mixed, mixed_exact(0.0), 0.0..1.6).with(method.clone()).mass(mixed_mass);
             let y = ivp.step(1.6 / f64::from(n)).run()?.y;
             let exact = mixed_exact(1.6);
             Ok([(y[0] - exact[0]).abs(), (y[1] - exact[1]).abs()])
         };
-        let n = if p.order > 6 { 8 } else { 32 };
+        let n = [64, 64, 64, 32, 20, 10][p.order.min(6) - 1];
         let (coarse, fine) = match (errors(n), errors(2 * n)) {
             (Ok(coarse), Ok(fine)) => (coarse, fine),
             (Err(stop), _) if matches!(stop.why, Why::Invalid(_)) => {
@@ -94,13 +115,21 @@ fn robertson(_t: f64, y: &[f64; 3], dy: &mut [f64; 3]) {
     dy[2] = y[0] + y[1] + y[2] - 1.0;
 }
 
+fn robertson_jacobian(_t: f64, y: &[f64; 3], j: &mut Jacobian<f64>) {
+    let row = [-0.04, 1e4 * y[2], 1e4 * y[1]];
+    for (k, &x) in row.iter().enumerate() {
+        (j[(0, k)], j[(1, k)], j[(2, k)]) = (x, -x, 1.0);
+    }
+    j[(1, 1)] -= 6e7 * y[1];
+}
+
 fn two_of_three(m: &mut Mass<f64>) {
     (m[(0, 0)], m[(1, 1)]) = (1.0, 1.0);
 }
 
 #[test]
 fn robertson_as_an_algebraic_problem_has_the_digits_of_the_equation() {
-    let best = ["rodas5p", "rodas4p", "radau-iia3", "radau-iia2", "kvaerno5", "kencarp4-esdirk", "lobatto-iiic3"];
+    let best = ["rodas5p", "rodas4p", "radau-iia3", "radau-iia2", "kvaerno5", "kencarp4-esdirk"];
     let ends = [(40.0, RobertsonUntil40.reference()), (1e11, RobertsonUntil1e11.reference())];
     for (end, reference) in ends {
         let reference = reference.unwrap();
@@ -108,7 +137,7 @@ fn robertson_as_an_algebraic_problem_has_the_digits_of_the_equation() {
             let Some(entry) = methods::find(name) else { continue };
             let method = Loaded::parse(entry.name, entry.text).unwrap();
             let ivp = solve(robertson, [1.0, 0.0, 0.0], 0.0..end).with(method).mass(two_of_three);
-            let run = ivp.rtol(1e-7).atol(1e-14).run().unwrap_or_else(|e| panic!("{name} to {end}: {e:?}"));
+            let run = ivp.jacobian(robertson_jacobian).rtol(1e-7).atol(1e-14).run().unwrap_or_else(|e| panic!("{name} to {end}: {e:?}"));
             for (y, r) in run.y.iter().zip(&reference) {
                 // What is left of y1 at 1e11 is 2e-8 and carries the relative errors of the way there.
                 let bound = if end > 100.0 { 1e-4 } else { 1e-5 };
@@ -116,6 +145,20 @@ fn robertson_as_an_algebraic_problem_has_the_digits_of_the_equation() {
             }
             assert!(run.stats.accepted < 3000, "{name}: {:?}", run.stats);
         }
+    }
+}
+
+#[test]
+fn differences_find_the_algebraic_equations_too() {
+    // The third equation stands at y1 = 1, beside which the steps of y2 and y3 in the first instants are nothing.
+    let reference = RobertsonUntil40.reference().unwrap();
+    for name in ["rodas5p", "radau-iia3", "kvaerno5"] {
+        let entry = methods::find(name).unwrap();
+        let method = Loaded::parse(entry.name, entry.text).unwrap();
+        let ivp = solve(robertson, [1.0, 0.0, 0.0], 0.0..40.0).with(method).mass(two_of_three);
+        let run = ivp.rtol(1e-7).atol(1e-11).run().unwrap_or_else(|e| panic!("{name}: {e:?}"));
+        assert!((run.y[0] - reference[0]).abs() < 1e-6, "{name}: {:?} {:?}", run.y, run.stats);
+        assert!((run.y[1] - reference[1]).abs() < 1e-5 * reference[1], "{name}: {:?}", run.y);
     }
 }
 
@@ -185,7 +228,7 @@ fn an_inconsistent_start_is_refused_or_mended() {
     // Below the tolerance it is as good as consistent.
     assert!(start([1.0, 0.0, 1e-12]).run().is_ok());
     let run = start([1.0, 0.0, 1e-3]).consistent().every_step().run().unwrap();
-    assert!(run.ys[0][2].abs() < 1e-12 && run.ys[0][..2] == [1.0, 0.0], "{:?}", run.ys[0]);
+    assert!(run.ys[0][2].abs() < 1e-10 && (run.ys[0][0] - 1.0).abs() + run.ys[0][1].abs() < 1e-11, "{:?}", run.ys[0]);
     assert!((run.y[0] - RobertsonUntil40.reference().unwrap()[0]).abs() < 1e-5);
     // Where no row of M is zero, M y is held: the charges of the capacitors.
     let mut off = AMPLIFIER;

@@ -110,8 +110,9 @@ pub(crate) struct Effort {
 ///
 /// `slope` is f(t, y), `weights` are one over the sizes that matter, `h` is the step. A component changes by the
 /// root of the spacing of numbers times its size, or, where it is near zero, by what rounding in f leaves of
-/// its change in a step (CVODE's choice: Hindmarsh et al. 2005, ACM TOMS 31, 363, section 2.1). Units of y and
-/// of t make no difference.
+/// its change in a step (CVODE's choice: Hindmarsh et al. 2005, ACM TOMS 31, 363, section 2.1), and at least by
+/// `least` of the size that matters: an algebraic equation moves in no step. Units of y and of t make no
+/// difference.
 #[allow(clippy::too_many_arguments)] // a system, where it is, and room
 pub(crate) fn by_differences<Y: State>(
     system: &mut dyn System<Y>,
@@ -121,6 +122,7 @@ pub(crate) fn by_differences<Y: State>(
     (moved, changed): (&mut Y, &mut Y),
     weights: &Y,
     h: RealOf<Y>,
+    least: RealOf<Y>,
     groups: Option<&Groups>,
     matrix: &mut Y::Square,
     effort: &mut Effort,
@@ -134,7 +136,7 @@ pub(crate) fn by_differences<Y: State>(
         moves = moves.maximum((f.scale(h.modulus()) * w).modulus());
     }
     let moves = if moves > RealOf::<Y>::zero() && moves.finite() { moves } else { RealOf::<Y>::one() };
-    let least = real(1e3 * n as f64) * RealOf::<Y>::EPSILON * moves;
+    let least = (real(1e3 * n as f64) * RealOf::<Y>::EPSILON * moves).maximum(least);
     let size = |j: usize| {
         let was = y.as_slice()[j];
         let size = RealOf::<Y>::one() / weights.as_slice()[j].modulus();

@@ -38,7 +38,7 @@ pub(crate) fn check<Y: State>(
         }
         _ => {}
     }
-    if let Some(text) = matrices((name, form), y0.as_slice().len(), options) {
+    if let Some(text) = matrices((name, form), adaptive, y0.as_slice().len(), options) {
         return Some(text);
     }
     if form.d == 1 && options.events.iter().any(|event| matches!(event.then, Then::ChangeMotion(_))) {
@@ -136,7 +136,12 @@ pub(crate) fn check<Y: State>(
 }
 
 /// The pattern and the mass matrix.
-fn matrices<Y: State>((name, form): (&str, &Form), n: usize, options: &Options<Y>) -> Option<String> {
+fn matrices<Y: State>(
+    (name, form): (&str, &Form),
+    adaptive: bool,
+    n: usize,
+    options: &Options<Y>,
+) -> Option<String> {
     if let Structure::Given(pattern) = &options.structure
         && pattern.n() != n
     {
@@ -168,6 +173,11 @@ fn matrices<Y: State>((name, form): (&str, &Form), n: usize, options: &Options<Y
         "has an explicit stage that is not the last one of the step before"
     } else if matches!(form.stages(), Stages::Full) && singular(form) {
         "has a singular matrix A"
+    } else if adaptive && form.estimated() && !form.carry[0].last_y {
+        return Some(format!(
+            "{name} leaves the algebraic equations of M y' = f(t, y) by what its error estimate takes for an error: \
+             give it a step with .step(h), or take a stiffly accurate method"
+        ));
     } else if (!options.times.is_empty() || !options.events.is_empty()) && !Dense::<Y>::can_serve_mass(form) {
         return Some(format!(
             "{name} has no values between steps for M y' = f(t, y), which at() and events ask for: take one with dense \

@@ -74,7 +74,7 @@ impl<Y: State> Solver<Y> {
             finite(&slope)?;
             let correction = norm(y, &slope) * d.modulus().to_f64();
             // A start that is asked for is found to well below the tolerance.
-            if correction <= if mend && turns > 0 { 0.1 } else { 1.0 } {
+            if correction <= if mend && turns > 0 { 1e-2 } else { 1.0 } {
                 break (d, lasts);
             }
             if !mend || turns == MOST || !correction.is_finite() {

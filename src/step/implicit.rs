@@ -219,6 +219,7 @@ impl<Y: State> Solver<Y> {
                 (&mut self.time, &mut self.residual),
                 &self.weights,
                 h,
+                if self.mass.is_some() { RealOf::<Y>::one() } else { RealOf::<Y>::zero() },
                 self.groups.as_ref(),
                 &mut self.jacobian,
                 &mut self.effort,
