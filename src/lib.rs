@@ -73,7 +73,7 @@ mod solve;
 mod step;
 pub mod tableau;
 
-pub use linear::Jacobian;
+pub use linear::{Jacobian, Mass, Misplaced, Pattern};
 pub use solve::auto::{Auto, Choice, Reason};
 pub use solve::control::Controller;
 pub use solve::event::Crossing;

@@ -25,7 +25,7 @@ fn allowed(problem: &str, method: &str, order: usize) -> f64 {
         // Their estimates are of higher order than the step or weigh what is fast too little: at small tolerances
         // the steps grow too long.
         (_, "trbdf2" | "esdirk34-jorgensen") => 1e3,
-        (_, "kencarp3-esdirk" | "kencarp5-esdirk") => 100.0,
+        (_, "kencarp3-esdirk" | "kencarp5-esdirk" | "kencarp4-7-imex") => 100.0,
         // E5 and the Oregonator carry errors of early steps along.
         _ if order < 4 => 100.0,
         _ => 40.0,

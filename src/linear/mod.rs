@@ -1,49 +1,91 @@
 //! Jacobians and the linear systems of implicit stages: small ones on the stack, large ones on the heap.
 
+mod band;
+mod detect;
 mod eigen;
+mod faer_lu;
 mod jacobian;
+mod large;
 mod lu;
+mod mass;
 mod pair;
+mod pattern;
 
+pub(crate) use detect::detect;
 pub(crate) use eigen::Eigen;
-pub use jacobian::Jacobian;
-pub(crate) use jacobian::{Effort, by_differences, time_derivative};
+pub(crate) use jacobian::{Effort, Groups, by_differences, time_derivative};
+pub use jacobian::{Jacobian, Layout};
+pub use large::Large;
 pub(crate) use lu::{factor, solve};
+pub(crate) use mass::ConstantMass;
+pub use mass::Mass;
 pub use pair::Pair;
+pub use pattern::{Misplaced, Pattern};
 
 use crate::step::scalar::Scalar;
+use std::sync::Arc;
 
-/// A square matrix, column after column, and in its place its LU factors.
+/// A square matrix, and in its place or beside it its LU factors.
 pub trait Square<T: Scalar>: Clone {
-    /// Zeros, with room for the pivots.
-    fn new(n: usize) -> Self;
-    /// Entry (i, j) at `i + j n`.
+    /// Zeros.
+    fn new(pattern: &Arc<Pattern>) -> Self;
+    /// Where the entries are.
+    fn layout(&self) -> Layout<'_>;
+    /// Those that are stored, column after column; places of a band outside the matrix are zero.
     fn entries(&self) -> &[T];
-    fn entries_mut(&mut self) -> &mut [T];
-    /// Factors it in place.
+    fn split(&mut self) -> (Layout<'_>, &mut [T]);
+    fn add_identity(&mut self);
+    /// Factors it.
     ///
     /// # Errors
     /// The column without a pivot: the matrix is singular, or not finite.
     fn factor(&mut self) -> Result<(), usize>;
     /// Solves for a right-hand side, in place, after [`factor`](Self::factor).
-    fn solve(&self, x: &mut [T]);
+    fn solve(&mut self, x: &mut [T]);
 }
 
-/// Makes `matrix` the factors of I - hg J.
+/// What is known of the matrices of a problem before it runs.
+#[derive(Clone)]
+pub(crate) struct Known<T> {
+    /// Of the Jacobian and the mass matrix; `None` where it is dense.
+    pub groups: Option<Groups>,
+    pub pattern: Arc<Pattern>,
+    /// `None` for the identity.
+    pub mass: Option<Arc<ConstantMass<T>>>,
+}
+
+impl<T: Scalar> Known<T> {
+    pub fn new(n: usize, pattern: Option<Pattern>, mass: Option<ConstantMass<T>>) -> Self {
+        let widened = pattern.map(|pattern| match &mass {
+            Some(mass) => Arc::new(pattern.with(mass.places())),
+            None => Arc::new(pattern),
+        });
+        Self {
+            groups: widened.as_ref().map(Groups::of),
+            pattern: widened.unwrap_or_else(|| Arc::new(Pattern::dense(n))),
+            mass: mass.map(Arc::new),
+        }
+    }
+}
+
+/// Makes `matrix` the factors of M - hg J; without a mass matrix M is the identity. `as_entry` takes an entry of
+/// M over, `scaled` the product of one of J and -hg.
 ///
 /// # Errors
 /// The column without a pivot.
-pub(crate) fn factor_shifted<T: Scalar, Q: Square<T>>(
-    matrix: &mut Q,
-    jacobian: &Q,
-    hg: T::Real,
+pub(crate) fn factor_shifted<T: Scalar, U: Scalar>(
+    matrix: &mut impl Square<U>,
+    jacobian: &impl Square<T>,
+    mass: Option<&ConstantMass<T>>,
+    as_entry: impl Fn(T) -> U,
+    scaled: impl Fn(T) -> U,
 ) -> Result<(), usize> {
-    for (to, &from) in matrix.entries_mut().iter_mut().zip(jacobian.entries()) {
-        *to = from.scale(-hg);
+    for (to, &from) in matrix.split().1.iter_mut().zip(jacobian.entries()) {
+        *to = scaled(from);
     }
-    let n = jacobian.entries().len().isqrt();
-    for entry in matrix.entries_mut().iter_mut().step_by(n + 1) {
-        *entry = T::one() + *entry;
+    match mass {
+        None => matrix.add_identity(),
+        Some(mass) => mass.add_to(matrix, as_entry),
     }
     matrix.factor()
 }
@@ -56,49 +98,34 @@ pub struct Small<T, const N: usize> {
 }
 
 impl<T: Scalar, const N: usize> Square<T> for Small<T, N> {
-    fn new(_: usize) -> Self {
+    fn new(_: &Arc<Pattern>) -> Self {
         Self { columns: [[T::zero(); N]; N], pivots: [0; N] }
+    }
+    #[inline(always)]
+    fn layout(&self) -> Layout<'_> {
+        Layout::Dense { n: N }
     }
     #[inline(always)]
     fn entries(&self) -> &[T] {
         self.columns.as_flattened()
     }
     #[inline(always)]
-    fn entries_mut(&mut self) -> &mut [T] {
-        self.columns.as_flattened_mut()
+    fn split(&mut self) -> (Layout<'_>, &mut [T]) {
+        (Layout::Dense { n: N }, self.columns.as_flattened_mut())
+    }
+    #[inline(always)]
+    fn add_identity(&mut self) {
+        for entry in self.columns.as_flattened_mut().iter_mut().step_by(N + 1) {
+            *entry = T::one() + *entry;
+        }
     }
     fn factor(&mut self) -> Result<(), usize> {
         lu::factor(N, self.columns.as_flattened_mut(), &mut self.pivots)
     }
-    fn solve(&self, x: &mut [T]) {
+    fn solve(&mut self, x: &mut [T]) {
         if let Some(x) = x.first_chunk_mut::<N>() {
             lu::solve(N, self.columns.as_flattened(), &self.pivots, x);
         }
-    }
-}
-
-/// Of a size known at run time, on the heap.
-#[derive(Clone, Debug)]
-pub struct Large<T> {
-    entries: Vec<T>,
-    pivots: Vec<usize>,
-}
-
-impl<T: Scalar> Square<T> for Large<T> {
-    fn new(n: usize) -> Self {
-        Self { entries: vec![T::zero(); n * n], pivots: vec![0; n] }
-    }
-    fn entries(&self) -> &[T] {
-        &self.entries
-    }
-    fn entries_mut(&mut self) -> &mut [T] {
-        &mut self.entries
-    }
-    fn factor(&mut self) -> Result<(), usize> {
-        lu::factor(self.pivots.len(), &mut self.entries, &mut self.pivots)
-    }
-    fn solve(&self, x: &mut [T]) {
-        lu::solve(self.pivots.len(), &self.entries, &self.pivots, x);
     }
 }
 
@@ -109,10 +136,10 @@ mod tests {
 
     /// Solves A x = b for a matrix with a zero in its first pivot, and looks at A x - b.
     fn residual<T: Scalar, S: Square<T>>(n: usize, entry: impl Fn(usize, usize) -> T) -> f64 {
-        let mut matrix = S::new(n);
+        let mut matrix = S::new(&Arc::new(Pattern::dense(n)));
         for j in 0..n {
             for i in 0..n {
-                matrix.entries_mut()[i + j * n] = entry(i, j);
+                matrix.split().1[i + j * n] = entry(i, j);
             }
         }
         let whole = matrix.clone();
@@ -145,11 +172,11 @@ mod tests {
 
     #[test]
     fn a_singular_matrix_names_its_column() {
-        let mut matrix = Small::<f64, 3>::new(3);
-        matrix.entries_mut().copy_from_slice(&[1.0, 2.0, 3.0, 2.0, 4.0, 6.0, 0.0, 1.0, 1.0]);
+        let mut matrix = Small::<f64, 3>::new(&Arc::new(Pattern::dense(3)));
+        matrix.split().1.copy_from_slice(&[1.0, 2.0, 3.0, 2.0, 4.0, 6.0, 0.0, 1.0, 1.0]);
         assert_eq!(matrix.factor(), Err(1));
-        let mut matrix = Large::<f64>::new(2);
-        matrix.entries_mut().copy_from_slice(&[f64::NAN, 1.0, 1.0, 1.0]);
+        let mut matrix = Large::<f64>::new(&Arc::new(Pattern::dense(2)));
+        matrix.split().1.copy_from_slice(&[f64::NAN, 1.0, 1.0, 1.0]);
         assert_eq!(matrix.factor(), Err(0));
     }
 }

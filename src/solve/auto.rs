@@ -2,7 +2,7 @@
 //! stiff problems until that has an end.
 
 use super::stiffness::{Stiffness, real_limit};
-use crate::linear::Jacobian;
+use crate::linear::{Jacobian, Pattern};
 use crate::methods::{RadauIia5, Rodas5p, Tsit54};
 use crate::step::method::{Known, Loaded, Method};
 use crate::step::norm::Tolerance;
@@ -23,7 +23,8 @@ use std::fmt;
 /// many after each return of stiffness. [`Solution::choices`](crate::Solution::choices) tells what was
 /// chosen, when and why.
 ///
-/// Above 2000 components it stays explicit: a Jacobian would be larger than what is asked for.
+/// Above 2000 components without a [`Pattern`](crate::Pattern) it stays explicit: a Jacobian would be larger than what
+/// is asked for. With a mass matrix it begins with the method for stiff problems and stays with it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Auto<E = Tsit54>(E);
 
@@ -71,6 +72,8 @@ pub struct Choice<R> {
 pub enum Reason {
     /// Every run begins with the explicit one.
     Start,
+    /// M y' = f(t, y) takes no explicit one.
+    Mass,
     /// Stability set the steps of the explicit method: its h |lambda|, and its limit.
     Stiff { reach: f64, limit: f64 },
     /// Stability would no longer limit the explicit method: a bound of h |lambda|, and its limit.
@@ -82,6 +85,7 @@ impl<R: Real> fmt::Display for Choice<R> {
         write!(f, "{} from t = {}", self.method, Shown(self.t))?;
         match self.reason {
             Reason::Start => Ok(()),
+            Reason::Mass => f.write_str(": M y' = f(t, y) takes no explicit method"),
             Reason::Stiff { reach, limit } => {
                 write!(f, ": stability set the steps, h |lambda| = {reach:.2} of at most {limit:.2}")
             }
@@ -105,29 +109,32 @@ pub(crate) struct Chooser<R> {
 }
 
 impl<R: Real> Chooser<R> {
-    /// `auto` is false where the method was named.
-    pub fn new<M: Method>(auto: bool, method: &M, n: usize, t: R) -> Self {
-        let (name, form) = (method.name(), form_of(method));
-        let limit = match const { if M::AUTO && !M::READ { real_limit(Known::<M>::FORM) } else { 0.0 } } {
-            0.0 if auto => real_limit(form),
-            known => known,
-        };
-        let stiffness = (auto && n <= DENSE).then(|| Stiffness::new(form, limit));
-        let start = || Choice { t, method: name.to_string(), reason: Reason::Start };
-        let choices = auto.then(start).into_iter().collect();
-        Self { stiff: false, stiffness, choices }
+    /// Of a run whose method was named.
+    pub fn named() -> Self {
+        Self { stiff: false, stiffness: None, choices: vec![] }
     }
 
-    /// The method for stiff problems.
-    pub fn method(&self, tolerance: &Tolerance<R>) -> Loaded {
-        let tightest = match tolerance {
-            Tolerance::Scalar { rtol, .. } => rtol.to_f64(),
-            Tolerance::Each(each) => each.iter().map(|(rtol, _)| rtol.to_f64()).fold(1.0, f64::min),
+    /// Of a run from `t` that begins with an explicit `method`, unless there is a mass matrix. `patterned` says that
+    /// a Jacobian needs no more room than the problem.
+    pub fn new<M: Method>(
+        method: &M,
+        (t, n): (R, usize),
+        (mass, patterned): (bool, bool),
+        tolerance: &Tolerance<R>,
+    ) -> Self {
+        let limit = match const { if M::READ { 0.0 } else { real_limit(Known::<M>::FORM) } } {
+            0.0 => real_limit(form_of(method)),
+            known => known,
         };
-        if tightest < TIGHT {
-            Loaded::of(RadauIia5.name(), RadauIia5.form())
-        } else {
-            Loaded::of(Rodas5p.name(), Rodas5p.form())
+        let watched = !mass && (n <= DENSE || patterned);
+        let first = match mass {
+            true => Choice { t, method: stiff_method(tolerance).name().to_string(), reason: Reason::Mass },
+            false => Choice { t, method: method.name().to_string(), reason: Reason::Start },
+        };
+        Self {
+            stiff: mass,
+            stiffness: watched.then(|| Stiffness::new(form_of(method), limit)),
+            choices: vec![first],
         }
     }
 
@@ -140,10 +147,23 @@ impl<R: Real> Chooser<R> {
             stiffness.turned(self.stiff);
         }
         let (method, reason) = match self.stiff {
-            true => (self.method(tolerance).name().to_string(), Reason::Stiff { reach, limit }),
+            true => (stiff_method(tolerance).name().to_string(), Reason::Stiff { reach, limit }),
             false => (explicit.to_string(), Reason::NoLongerStiff { reach, limit }),
         };
         self.choices.push(Choice { t, method, reason });
+    }
+}
+
+/// The method for stiff problems.
+pub(crate) fn stiff_method<R: Real>(tolerance: &Tolerance<R>) -> Loaded {
+    let tightest = match tolerance {
+        Tolerance::Scalar { rtol, .. } => rtol.to_f64(),
+        Tolerance::Each(each) => each.iter().map(|(rtol, _)| rtol.to_f64()).fold(1.0, f64::min),
+    };
+    if tightest < TIGHT {
+        Loaded::of(RadauIia5.name(), RadauIia5.form())
+    } else {
+        Loaded::of(Rodas5p.name(), Rodas5p.form())
     }
 }
 
@@ -151,6 +171,12 @@ impl<R: Real> Chooser<R> {
 pub(super) struct Lent<'s, Y>(pub &'s mut dyn System<Y>);
 
 impl<Y: State> System<Y> for Lent<'_, Y> {
+    fn time_derivative(&mut self, t: RealOf<Y>, y: &Y, dfdt: &mut Y) -> bool {
+        self.0.time_derivative(t, y, dfdt)
+    }
+    fn pattern(&self) -> Option<Pattern> {
+        self.0.pattern()
+    }
     fn rhs(&mut self, t: RealOf<Y>, y: &Y, dy: &mut Y) -> Result<(), OutOfDomain> {
         self.0.rhs(t, y, dy)
     }

@@ -2,17 +2,20 @@
 
 use super::blame::not_finite;
 use super::control::Control;
+use super::ivp::Structure;
 use super::outcome::{Why, first_non_finite};
 use super::run::{Leg, Pace};
-use super::start::{History, fill, first_step, starter, steps_behind};
+use super::start::{History, fill, first_step, small_step, starter, steps_behind};
 use super::steps::Steps;
 use super::watch::Flow;
+use crate::linear::{self, ConstantMass, detect};
+use crate::step::consistent::Astray;
 use crate::step::implicit::Solver;
 use crate::step::method::{Known, Method};
 use crate::step::row::form_of;
 use crate::step::scalar::{Plain, Real, Scalar};
 use crate::step::state::{RealOf, State};
-use crate::step::stepper::Stepper;
+use crate::step::stepper::{Refused, Stepper};
 use crate::step::system::System;
 use crate::tableau::{Form, Meaning};
 use num_traits::Zero;
@@ -27,7 +30,6 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
         mut system: T,
         stop: RealOf<Y>,
     ) -> Result<ControlFlow<T, Leg<N, Y, T>>, Why> {
-        let mut stepper = Stepper::new(method.clone(), &self.y);
         let form = form_of(&method);
         // A break is met a few spacings early, where f still has its left value; spacings of zero are those
         // of what rounding leaves of the way there.
@@ -51,6 +53,17 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
             h = span / RealOf::<Y>::from_f64(steps as f64);
             self.tried = h;
         }
+        let mut solver = None;
+        let mut slope = None;
+        if !form.explicit() {
+            let known = self.known(&mut system);
+            let mut fresh = Solver::new(form, &self.y, &known, &self.rules.tolerance, P::ADAPTIVE);
+            if let Some(mass) = known.mass.as_deref() {
+                slope = Some(self.enter(&mut fresh, &mut system, mass, end)?);
+            }
+            solver = Some(Box::new(fresh));
+        }
+        let mut stepper = Stepper::new(method.clone(), &self.y);
         let origin = self.t;
         let mut history = History { ys: vec![self.y.clone()], slopes: vec![] };
         let behind = (steps_behind(form) as u64).min(steps);
@@ -63,7 +76,7 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
             }
         }
         self.stats.evaluations +=
-            fill(form, stepper.words_mut(), &mut system, self.t, &history, self.v.as_ref())
+            fill(form, stepper.words_mut(), &mut system, self.t, &history, self.v.as_ref(), slope.as_ref())
                 .map_err(|_| Why::OutOfDomain { stage: 0 })?;
 
         let mut known = false;
@@ -71,15 +84,20 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
             let at = match (0..form.r).find(|&j| form.means[j] == Meaning::F(0)) {
                 Some(j) => j,
                 None => {
-                    known = form.starts_at_y();
-                    let slope = &mut stepper.words_mut()[form.r];
-                    system.rhs(self.t, &self.y, slope).map_err(|_| Why::OutOfDomain { stage: 0 })?;
-                    self.stats.evaluations += 1;
+                    let word = &mut stepper.words_mut()[form.r];
+                    match &slope {
+                        Some(slope) => word.as_mut_slice().copy_from_slice(slope.as_slice()),
+                        None => {
+                            known = form.starts_at_y();
+                            system.rhs(self.t, &self.y, word).map_err(|_| Why::OutOfDomain { stage: 0 })?;
+                            self.stats.evaluations += 1;
+                        }
+                    }
                     form.r
                 }
             };
-            let slope = stepper.word(at);
-            if let Some(component) = first_non_finite(slope) {
+            let first = stepper.word(at);
+            if let Some(component) = first_non_finite(first) {
                 return Err(Why::NonFinite { component, stage: Some(0) });
             }
             let embedded = if form.estimated() { form.s } else { form.embedded[0].max(form.embedded[1]) };
@@ -88,8 +106,13 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
                 Some(size) => size,
                 None => {
                     let span = (self.t, end);
-                    let h =
-                        first_step(&mut system, span, &self.y, slope, order, &self.rules, &mut self.stats);
+                    let h = match &slope {
+                        // f beside the solution tells of no slope there.
+                        Some(slope) => RealOf::<Y>::from_f64(small_step(&self.rules, &self.y, slope)),
+                        None => {
+                            first_step(&mut system, span, &self.y, first, order, &self.rules, &mut self.stats)
+                        }
+                    };
                     // Its guesses know neither the spacing of late times nor the least step.
                     h.modulus()
                         .maximum(self.t.ulp() * RealOf::<Y>::from_f64(16.0))
@@ -110,14 +133,60 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
             index: behind,
             steps,
             lost: RealOf::<Y>::zero(),
-            solver: (!form.explicit())
-                .then(|| Box::new(Solver::new(form, &self.y, &self.rules.tolerance, P::ADAPTIVE))),
+            solver,
             control: Control::new(self.controller, estimate_order(form)),
             stats: self.stats,
             known,
             last: self.h,
             stiffness: self.chooser.stiffness.take(),
         }))
+    }
+
+    /// What is known of the matrices: the pattern given, detected or the system's own.
+    fn known<T: System<Y>>(&mut self, system: &mut T) -> linear::Known<Y::Scalar> {
+        if let Some(known) = &self.matrices {
+            return known.clone();
+        }
+        let pattern = match std::mem::replace(&mut self.options.structure, Structure::System) {
+            Structure::Given(pattern) => Some(pattern),
+            Structure::System => system.pattern(),
+            Structure::Detected => {
+                let (pattern, evaluations) = detect(system, self.t, &self.y);
+                self.stats.evaluations += evaluations;
+                Some(pattern)
+            }
+        };
+        let mass = self.options.mass.take().and_then(Result::ok);
+        let known = linear::Known::new(self.y.as_slice().len(), pattern, mass);
+        self.matrices = Some(known.clone());
+        known
+    }
+
+    /// The slope at the start of M y' = f(t, y), after the algebraic equations were checked, or y mended.
+    #[inline(never)]
+    fn enter<T: System<Y>>(
+        &mut self,
+        solver: &mut Solver<Y>,
+        system: &mut T,
+        mass: &ConstantMass<Y::Scalar>,
+        end: RealOf<Y>,
+    ) -> Result<Y, Why> {
+        let span = (self.t, end);
+        let entered = solver.enter(system, mass, span, &mut self.y, &self.rules.tolerance, self.options.mend);
+        self.stats.spend(std::mem::take(&mut solver.effort));
+        let slope = entered.map_err(|astray| match astray {
+            Astray::Unsolved(why) => Refused { stage: 0, why }.reason(),
+            Astray::Inconsistent { row, residual } => Why::Inconsistent { row, residual },
+        })?;
+        // The start may have been saved before it was mended.
+        if self.options.mend
+            && self.watch.ts.last() == Some(&self.t)
+            && let Some(saved) = self.watch.ys.last_mut()
+        {
+            saved.as_mut_slice().copy_from_slice(self.y.as_slice());
+        }
+        self.watch.dense.begin(&slope);
+        Ok(slope)
     }
 
     /// Takes the steps that lie behind the first step of a multistep method, with a one-step one. Gives the
@@ -130,11 +199,16 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
         Begun { origin, h, steps, end, stop, behind }: Begun<RealOf<Y>>,
         history: &mut History<Y>,
     ) -> Result<ControlFlow<T, T>, Why> {
-        let starter = self.options.starter.clone().unwrap_or_else(|| starter(form));
+        let mass = self.matrices.as_ref().is_some_and(|known| known.mass.is_some());
+        let starter = self.options.starter.clone().unwrap_or_else(|| starter(form, mass));
         let mut first = Stepper::new(starter.clone(), &self.y);
+        let mut solver =
+            self.matrices.as_ref().filter(|_| !starter.form().explicit()).map(|known| {
+                Box::new(Solver::new(starter.form(), &self.y, known, &self.rules.tolerance, false))
+            });
         let lone = History { ys: vec![self.y.clone()], slopes: vec![] };
         self.stats.evaluations +=
-            fill(starter.form(), first.words_mut(), &mut system, self.t, &lone, self.v.as_ref())
+            fill(starter.form(), first.words_mut(), &mut system, self.t, &lone, self.v.as_ref(), None)
                 .map_err(|refused| self.refused(refused.stage))?;
         for i in 1..=behind {
             let next = if i == steps { end } else { origin + RealOf::<Y>::from_f64(i as f64) * h };
@@ -142,10 +216,21 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
             self.stats.evaluations += 1;
             system.rhs(self.t, first.y(), &mut slope).map_err(|_| self.refused(0))?;
             history.slopes.push(slope);
-            self.stats.evaluations += first.form().s as u64;
-            first
-                .attempt::<Plain, T>(&mut system, (self.t, next), h, false, &mut None)
-                .map_err(|refused| self.refused(refused.stage))?;
+            let attempted = first.attempt::<Plain, T>(&mut system, (self.t, next), h, false, &mut solver);
+            match &mut solver {
+                Some(solver) => {
+                    self.stats.spend(std::mem::take(&mut solver.effort));
+                    if let Err(refused) = attempted {
+                        let why = refused.reason();
+                        self.stats.rejected.count(&why);
+                        return Err(why);
+                    }
+                }
+                None => {
+                    self.stats.evaluations += first.form().s as u64;
+                    attempted.map_err(|refused| self.refused(refused.stage))?;
+                }
+            }
             if first_non_finite(first.next(0)).is_some()
                 && let Some(why) = not_finite(first.view())
             {
@@ -156,7 +241,11 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
             if self.watch.active() {
                 let calls = &mut self.stats.evaluations;
                 let flow = self.watch.show(first.view(), &mut system, self.t, h, next, calls);
-                self.watch.dense.forget();
+                if mass {
+                    self.watch.dense.next_step();
+                } else {
+                    self.watch.dense.forget();
+                }
                 match flow {
                     Flow::Go | Flow::Pause => {}
                     Flow::Retry(why) => {
@@ -176,6 +265,9 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
                 }
             }
             first.accept();
+            if let Some(solver) = &mut solver {
+                solver.moved();
+            }
             self.stats.accepted += 1;
             (self.t, self.h) = (next, h);
             self.y.as_mut_slice().copy_from_slice(first.y().as_slice());

@@ -1,15 +1,18 @@
 //! What a problem and its options must fulfil before the first step.
 
 use super::control::Controller;
+use super::dense::Dense;
 use super::event::Then;
-use super::ivp::Options;
+use super::ivp::{Options, Structure};
 use super::outcome::first_non_finite;
 use super::start::steps_behind;
+use crate::linear;
+use crate::step::coupled;
 use crate::step::method::Method;
 use crate::step::norm::Tolerance;
 use crate::step::scalar::{Real, Scalar, Shown};
 use crate::step::state::{RealOf, State};
-use crate::tableau::Form;
+use crate::tableau::{Form, Meaning, Stages};
 use num_traits::Zero;
 use std::ops::Range;
 
@@ -36,6 +39,9 @@ pub(crate) fn check<Y: State>(
             return Some(format!("the position has {x} components but the velocity {v}"));
         }
         _ => {}
+    }
+    if let Some(text) = matrices((name, form), adaptive, y0.as_slice().len(), options) {
+        return Some(text);
     }
     if form.d == 1 && options.events.iter().any(|event| matches!(event.then, Then::ChangeMotion(_))) {
         return Some("change_motion_at is for y'' = f(t, y): use change_at".to_string());
@@ -108,12 +114,13 @@ pub(crate) fn check<Y: State>(
         if let Some(starter) = &options.starter
             && steps_behind(form) > 0
             && !(starter.form().one_step()
-                && starter.form().explicit()
+                && starter.form().explicit() == options.mass.is_none()
                 && starter.form().d == form.d
                 && starter.form().s > 0)
         {
+            let kind = if options.mass.is_none() { "explicit" } else { "implicit" };
             return Some(format!(
-                "{} cannot start {name}: it needs an explicit one-step method",
+                "{} cannot start {name}: it needs an {kind} one-step method",
                 starter.name()
             ));
         }
@@ -128,6 +135,65 @@ pub(crate) fn check<Y: State>(
         last = time;
     }
     options.breaks.iter().find(|b| !b.finite()).map(|b| format!("the break at {b} is not a time"))
+}
+
+/// The pattern and the mass matrix.
+fn matrices<Y: State>(
+    (name, form): (&str, &Form),
+    adaptive: bool,
+    n: usize,
+    options: &Options<Y>,
+) -> Option<String> {
+    if let Structure::Given(pattern) = &options.structure
+        && pattern.n() != n
+    {
+        return Some(format!("the pattern has {} rows but y0 {n} components", pattern.n()));
+    }
+    let mass = match &options.mass {
+        None if options.mend => {
+            return Some("consistent() is for M y' = f(t, y): give the mass matrix".to_string());
+        }
+        None => return None,
+        Some(Err(misplaced)) => return Some(format!("the mass matrix: {misplaced}")),
+        Some(Ok(mass)) => mass,
+    };
+    if let Some((row, column)) = mass.flaw() {
+        return Some(format!("the mass matrix has a NaN or an infinity at ({row}, {column})"));
+    }
+    if mass.places().next().is_none() {
+        return Some("the mass matrix is zero: there is nothing to integrate".to_string());
+    }
+    let why = if form.d == 2 {
+        "is for y'' = f(t, y)"
+    } else if form.explicit() {
+        "is explicit"
+    } else if form.means[..form.r].iter().any(|m| matches!(m, Meaning::F(k) if *k > 0)) {
+        "uses f of older steps"
+    } else if matches!(form.stages(), Stages::Diagonal)
+        && form.stage[..form.s].iter().any(|row| row.diagonal.hi() == 0.0)
+    {
+        "has an explicit stage that is not the last one of the step before"
+    } else if matches!(form.stages(), Stages::Full) && singular(form) {
+        "has a singular matrix A"
+    } else if adaptive && form.estimated() && !form.carry[0].last_y {
+        return Some(format!(
+            "{name} leaves the algebraic equations of M y' = f(t, y) by what its error estimate takes for an error: \
+             give it a step with .step(h), or take a stiffly accurate method"
+        ));
+    } else if (!options.times.is_empty() || !options.events.is_empty()) && !Dense::<Y>::can_serve_mass(form) {
+        return Some(format!(
+            "{name} has no values between steps for M y' = f(t, y), which at() and events ask for: take one with dense \
+             output, a stiffly accurate or a fully implicit one"
+        ));
+    } else {
+        return None;
+    };
+    Some(format!("{name} {why}: M y' = f(t, y) needs a method whose slopes are all found implicitly"))
+}
+
+fn singular(form: &Form) -> bool {
+    let mut a: Vec<f64> = coupled::matrix(form).concat();
+    linear::factor(form.s, &mut a, &mut vec![0; form.s]).is_err()
 }
 
 fn tolerance<R: Real>(tolerance: &Tolerance<R>, n: usize) -> Option<String> {

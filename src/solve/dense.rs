@@ -23,6 +23,8 @@ pub(crate) struct Dense<Y: State> {
     pub interpolant: Interpolant,
     /// Interior points of the Hermite interpolant.
     interior: usize,
+    /// With a mass matrix f gives no slopes: those of the stages have to do.
+    mass: bool,
     /// Hermite levels with 0, 1, .. interior points, made when first needed.
     levels: Vec<Level>,
     /// Own: slopes of the extra stages. Hermite: slopes at the start, the end, the interior points.
@@ -35,9 +37,11 @@ pub(crate) struct Dense<Y: State> {
 }
 
 impl<Y: State> Dense<Y> {
-    pub fn new(form: &Form, y: &Y) -> Self {
+    pub fn new(form: &Form, y: &Y, mass: bool) -> Self {
         let (interpolant, interior) = if form.dense_order > 0 {
             (Interpolant::Own { order: form.dense_order }, 0)
+        } else if mass {
+            (Interpolant::Hermite { order: form.order.min(3) }, 0)
         } else if form.d == 2 {
             let order = if form.means[..form.r].contains(&Meaning::V) { 5 } else { 2 };
             (Interpolant::Hermite { order }, 0)
@@ -49,6 +53,7 @@ impl<Y: State> Dense<Y> {
         Self {
             interpolant,
             interior,
+            mass,
             levels: vec![],
             slopes: vec![],
             value: y.clone(),
@@ -68,6 +73,26 @@ impl<Y: State> Dense<Y> {
     /// The slope at the start of the step that begins, after [`next_step`](Self::next_step) said yes.
     pub fn carried_slope(&self) -> &Y {
         &self.slopes[1]
+    }
+
+    /// A leg begins with this slope, which f does not give.
+    pub fn begin(&mut self, slope: &Y) {
+        if self.slopes.len() < 2 {
+            self.slopes = vec![self.value.clone(); 2];
+        }
+        copy(&mut self.slopes[1], slope);
+        (self.ready, self.carried) = (false, !self.is_own());
+    }
+
+    /// Looks at every step: the slope at its end is that at the start of the next.
+    pub fn follows(&self) -> bool {
+        self.mass && !self.is_own()
+    }
+
+    /// With a mass matrix: the stages give what lies between steps, by an interpolant of their own or by the slope
+    /// at the end of the step.
+    pub fn can_serve_mass(form: &Form) -> bool {
+        form.dense_order > 0 || end_stage(form).is_some()
     }
 
     /// A new leg begins somewhere else.
@@ -106,9 +131,9 @@ impl<Y: State> Dense<Y> {
         let count = if self.is_own() { form.extra } else { 2 + self.interior };
         if self.slopes.len() < count {
             self.slopes = vec![self.value.clone(); count];
-            if !self.is_own() && form.d == 1 {
-                self.levels = (0..=self.interior).map(Level::new).collect();
-            }
+        }
+        if self.levels.is_empty() && !self.is_own() && form.d == 1 {
+            self.levels = (0..=self.interior).map(Level::new).collect();
         }
         if self.is_own() {
             for i in 0..form.extra {
@@ -129,11 +154,9 @@ impl<Y: State> Dense<Y> {
             ask(t, view.y(), &mut self.slopes[0])?;
         }
         self.carried = false;
-        if let Some(i) = view.next_slope_at() {
+        // The slope of a stage at the end was found with its value, whose errors f would magnify.
+        if let Some(i) = view.next_slope_at().or_else(|| end_stage(form)) {
             copy(&mut self.slopes[1], view.word(i));
-        } else if form.carry[0].last_y && !form.explicit() {
-            // The last stage stands at the end of the step, and its slope is better than f of its value.
-            copy(&mut self.slopes[1], view.word(form.r + form.s - 1));
         } else {
             ask(end, view.next(0), &mut self.slopes[1])?;
         }
@@ -254,6 +277,11 @@ impl<Y: State> Dense<Y> {
             add(&mut self.value, RealOf::<Y>::one(), &x[base]);
         }
     }
+}
+
+/// The slope of a last stage that is y' itself.
+fn end_stage(form: &Form) -> Option<usize> {
+    (form.carry[0].last_y && !form.linear && !form.explicit()).then(|| form.r + form.s - 1)
 }
 
 /// A Hermite polynomial with some interior points, as a map from data to coefficients of theta^1, theta^2, ..

@@ -57,6 +57,7 @@ impl Refused {
             Unsolved::Singular { component } => Why::Singular { component },
             Unsolved::NonFinite { component } => Why::NonFinite { component, stage: Some(self.stage) },
             Unsolved::Jacobian { component } => Why::Jacobian { component },
+            Unsolved::OutsidePattern { row, column } => Why::OutsidePattern { row, column },
         }
     }
 }
@@ -70,7 +71,7 @@ impl Rejections {
     pub(crate) fn count(&mut self, why: &Why) {
         match why {
             Why::OutOfDomain { .. } => self.domain += 1,
-            Why::NonFinite { .. } | Why::Jacobian { .. } => self.non_finite += 1,
+            Why::NonFinite { .. } | Why::Jacobian { .. } | Why::OutsidePattern { .. } => self.non_finite += 1,
             Why::NewtonFailed { .. } => self.newton += 1,
             Why::Singular { .. } => self.singular += 1,
             _ => self.error += 1,
@@ -81,7 +82,7 @@ impl Rejections {
 /// Where the values between steps come from, and their order.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Interpolant {
-    /// The table's own dense output.
+    /// The table's own dense output; of a fully implicit table its collocation polynomial.
     Own { order: usize },
     /// Hermite interpolation of values and slopes, with extra evaluations where the order asks for them.
     Hermite { order: usize },
@@ -146,6 +147,10 @@ pub enum Why {
     OutOfDomain { stage: usize },
     /// A NaN or an infinity in this row of the Jacobian.
     Jacobian { component: usize },
+    /// The Jacobian has an entry other than zero outside its pattern.
+    OutsidePattern { row: usize, column: usize },
+    /// The start breaks the algebraic equation of this row: `residual` is what is left of f(t, y) - M y' there.
+    Inconsistent { row: usize, residual: f64 },
     /// Newton's iteration on an implicit stage failed and no smaller step helped.
     NewtonFailed { stage: usize },
     /// The matrix of an implicit stage has no pivot in this column, and no smaller step helped.
@@ -187,6 +192,16 @@ impl fmt::Display for Why {
             }
             Why::Jacobian { component } => {
                 write!(f, "the Jacobian has a NaN or an infinity in row {component}")
+            }
+            Why::OutsidePattern { row, column } => {
+                write!(f, "the Jacobian has an entry at ({row}, {column}), outside its pattern")
+            }
+            Why::Inconsistent { row, residual } => {
+                write!(
+                    f,
+                    "the start is not consistent: the algebraic equation of row {row} is off by {residual:e}; \
+                     mend y0, or ask for it with .consistent()"
+                )
             }
             Why::NewtonFailed { stage } => {
                 write!(f, "Newton's iteration failed at stage {stage}, however small the step")

@@ -311,7 +311,8 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
                     }
                 }
             };
-            if !P::ADAPTIVE || too_small(h, t, rules.min_step) {
+            let hopeless = implicit && matches!(why, Why::OutsidePattern { .. });
+            if !P::ADAPTIVE || hopeless || too_small(h, t, rules.min_step) {
                 h = if P::ADAPTIVE { h } else { step };
                 break Ended::Failed(why);
             }

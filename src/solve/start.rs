@@ -3,7 +3,7 @@
 use super::outcome::{Stats, first_non_finite};
 use super::run::Rules;
 use crate::methods;
-use crate::step::method::Loaded;
+use crate::step::method::{Loaded, Method};
 use crate::step::scalar::{Real, Scalar};
 use crate::step::state::{RealOf, State};
 use crate::step::stepper::{Refused, Unsolved};
@@ -29,7 +29,7 @@ pub(crate) struct History<Y> {
 /// Fills z from a history whose last entry is the state at t, with the velocity there.
 ///
 /// Every carried vector is a state, a slope or the velocity at one of these times, so this serves every
-/// method; one that carries nothing old has a history of one entry.
+/// method; one that carries nothing old has a history of one entry. `slope` is y' at t, where f does not give it.
 pub(crate) fn fill<Y: State>(
     form: &Form,
     words: &mut [Y],
@@ -37,6 +37,7 @@ pub(crate) fn fill<Y: State>(
     t: RealOf<Y>,
     history: &History<Y>,
     v: Option<&Y>,
+    slope: Option<&Y>,
 ) -> Result<u64, Refused> {
     let last = history.ys.len() - 1;
     let mut evaluations = 0;
@@ -49,6 +50,10 @@ pub(crate) fn fill<Y: State>(
                 None => z.as_mut_slice().fill(Y::Scalar::zero()),
             },
             Meaning::F(0) => {
+                if let Some(slope) = slope {
+                    z.as_mut_slice().copy_from_slice(slope.as_slice());
+                    continue;
+                }
                 system
                     .rhs(t, &history.ys[last], z)
                     .map_err(|_| Refused { stage: 0, why: Unsolved::Domain })?;
@@ -61,7 +66,11 @@ pub(crate) fn fill<Y: State>(
 }
 
 /// The one-step method that starts a multistep one: of its order at least, with the fewest stages.
-pub(crate) fn starter(form: &Form) -> Loaded {
+/// With a mass matrix it is an implicit one, whose order serves every multistep method that takes one (BDF).
+pub(crate) fn starter(form: &Form, mass: bool) -> Loaded {
+    if mass {
+        return Loaded::of(methods::RadauIia3.name(), methods::RadauIia3.form());
+    }
     let of_d = if form.d == 1 { const { methods::one_step(1) } } else { const { methods::one_step(2) } };
     let (name, form) = of_d[form.order.min(8)];
     Loaded::of(name, form)
@@ -80,28 +89,9 @@ pub(crate) fn first_step<Y: State>(
     rules: &Rules<RealOf<Y>>,
     stats: &mut Stats,
 ) -> RealOf<Y> {
-    let size = |x: &[Y::Scalar], minus: Option<&[Y::Scalar]>| -> f64 {
-        let ratio = |(i, y): (usize, &Y::Scalar)| {
-            let (rtol, atol) = rules.tolerance.at(i);
-            let weight = (atol + rtol * y.modulus()).to_f64();
-            let value = minus.map_or(x[i], |minus| x[i] - minus[i]).modulus().to_f64();
-            if value == 0.0 { 0.0 } else { value / weight }
-        };
-        let ratios = || y0.as_slice().iter().enumerate().map(ratio);
-        // In units of the largest, whose square need not be a number.
-        let largest = ratios().fold(0.0, f64::max);
-        if largest == 0.0 || largest.is_infinite() {
-            return largest;
-        }
-        let sum: f64 = ratios().map(|ratio| (ratio / largest).powi(2)).sum();
-        largest * (sum / x.len() as f64).sqrt()
-    };
+    let size = |x: &[Y::Scalar], minus: Option<&[Y::Scalar]>| size(rules, y0, x, minus);
     let longest = (t1 - t0).modulus().minimum(rules.max_step).to_f64();
-    let (d0, d1) = (size(y0.as_slice(), None), size(slope.as_slice(), None));
-    let mut small = if d0 < 1e-5 || d1 < 1e-5 { 1e-6 } else { 0.01 * (d0 / d1) };
-    if !(small > 0.0 && small.is_finite()) {
-        small = 1e-6;
-    }
+    let (d1, mut small) = (size(slope.as_slice(), None), small_step(rules, y0, slope));
     small = small.min(longest);
     let sign = if t1 > t0 { RealOf::<Y>::one() } else { -RealOf::<Y>::one() };
     let (mut probe, mut f1) = (y0.clone(), y0.clone());
@@ -129,4 +119,29 @@ pub(crate) fn first_step<Y: State>(
         small *= 1e-3;
     }
     sign * RealOf::<Y>::from_f64(small)
+}
+
+/// The step that changes y by a hundredth of itself.
+pub(crate) fn small_step<Y: State>(rules: &Rules<RealOf<Y>>, y0: &Y, slope: &Y) -> f64 {
+    let (d0, d1) = (size(rules, y0, y0.as_slice(), None), size(rules, y0, slope.as_slice(), None));
+    let small = if d0 < 1e-5 || d1 < 1e-5 { 1e-6 } else { 0.01 * (d0 / d1) };
+    if small > 0.0 && small.is_finite() { small } else { 1e-6 }
+}
+
+/// The size of `x`, or of `x` minus another, in units of the tolerances at y0.
+fn size<Y: State>(rules: &Rules<RealOf<Y>>, y0: &Y, x: &[Y::Scalar], minus: Option<&[Y::Scalar]>) -> f64 {
+    let ratio = |(i, y): (usize, &Y::Scalar)| {
+        let (rtol, atol) = rules.tolerance.at(i);
+        let weight = (atol + rtol * y.modulus()).to_f64();
+        let value = minus.map_or(x[i], |minus| x[i] - minus[i]).modulus().to_f64();
+        if value == 0.0 { 0.0 } else { value / weight }
+    };
+    let ratios = || y0.as_slice().iter().enumerate().map(ratio);
+    // In units of the largest, whose square need not be a number.
+    let largest = ratios().fold(0.0, f64::max);
+    if largest == 0.0 || largest.is_infinite() {
+        return largest;
+    }
+    let sum: f64 = ratios().map(|ratio| (ratio / largest).powi(2)).sum();
+    largest * (sum / x.len() as f64).sqrt()
 }

@@ -1,13 +1,14 @@
 //! A run from leg to leg: between breaks and events, with a start at each.
 
-use super::auto::{Chooser, Lent};
+use super::auto::{Chooser, Lent, stiff_method};
 use super::check::check;
 use super::control::Controller;
 use super::dense::Dense;
-use super::ivp::{Ivp, Options};
+use super::ivp::{Ivp, Options, Structure};
 use super::outcome::{Solution, Stats, Stopped, Why};
 use super::run::{Ended, Leg, Pace, Rules, run_leg};
 use super::watch::Watch;
+use crate::linear::Known;
 use crate::step::method::{Loaded, Method};
 use crate::step::norm::Tolerance;
 use crate::step::row::form_of;
@@ -44,6 +45,8 @@ pub struct Steps<'w, Y: State, S, M: Method, P> {
     pub(super) options: Options<'w, Y>,
     pub(super) watch: Watch<'w, Y>,
     pub(super) stats: Stats,
+    /// What is known of the matrices of implicit stages, from the first leg on.
+    pub(super) matrices: Option<Known<Y::Scalar>>,
     /// Why the run cannot go on.
     pub(super) failed: Option<Why>,
     /// Steps that started a multistep method and are still to be given by the iterator.
@@ -64,8 +67,15 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             }
         }
         let Ivp { system, y0, v0, span, method, mut options, .. } = ivp;
-        let form = form_of(&method);
-        let named = (method.name(), form);
+        let mass = options.mass.is_some();
+        let patterned = !matches!(options.structure, Structure::System) || system.pattern().is_some();
+        let auto = const { M::AUTO && P::ADAPTIVE };
+        let stiff = (auto && mass).then(|| stiff_method(&options.tolerance));
+        let (name, form) = match &stiff {
+            Some(stiff) => (stiff.name(), stiff.form()),
+            None => (method.name(), form_of(&method)),
+        };
+        let named = (name, form);
         let failed = check(named, P::ADAPTIVE, &y0, v0.as_ref(), &span, &options).map(Why::Invalid);
         let (t, end) = (span.start, span.end);
         let stops = stops(t, end, &options.breaks);
@@ -94,14 +104,17 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             occurrences: vec![],
             landed: None,
             over: false,
-            dense: Dense::new(form, &y0),
+            dense: Dense::new(form, &y0, mass),
             point: y0.clone(),
             second_order: form.d == 2,
         };
         let controller = options.controller.unwrap_or_default();
         let stats = Stats::default();
         let h = RealOf::<Y>::zero();
-        let chooser = Chooser::new(M::AUTO && P::ADAPTIVE, &method, y0.as_slice().len(), t);
+        let chooser = match auto {
+            true => Chooser::new(&method, (t, y0.as_slice().len()), (mass, patterned), &rules.tolerance),
+            false => Chooser::named(),
+        };
         let mut run = Self {
             method,
             system: Some(system),
@@ -120,6 +133,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             options,
             watch,
             stats,
+            matrices: None,
             failed,
             early: VecDeque::new(),
             done: false,
@@ -208,7 +222,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         let lent = Lent(&mut system);
         let leg = match self.stiff_leg.take() {
             Some(leg) => ControlFlow::Continue(leg.with(lent).0),
-            None => self.begin(self.chooser.method(&self.rules.tolerance), lent, stop)?,
+            None => self.begin(stiff_method(&self.rules.tolerance), lent, stop)?,
         };
         let result = match leg {
             ControlFlow::Break(_) => Ok(()),
@@ -244,11 +258,10 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             Ended::Turned => {
                 self.options.step = Some(leg.h.modulus());
                 self.chooser.turn(leg.t, self.method.name(), &self.rules.tolerance);
-                let form = match self.chooser.stiff {
-                    true => &*self.chooser.method(&self.rules.tolerance).form,
-                    false => form_of(&self.method),
+                self.watch.dense = match self.chooser.stiff {
+                    true => Dense::new(&stiff_method(&self.rules.tolerance).form, &self.y, false),
+                    false => Dense::new(form_of(&self.method), &self.y, false),
                 };
-                self.watch.dense = Dense::new(form, &self.y);
             }
             Ended::Failed(_) | Ended::Changed => {}
         }

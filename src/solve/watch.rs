@@ -102,6 +102,9 @@ impl<Y: State> Watch<'_, Y> {
         let forward = t1 > t;
         let reached = |time: RealOf<Y>, end: RealOf<Y>| if forward { time <= end } else { time >= end };
 
+        if self.dense.follows() {
+            self.dense.prepare(view, system, t, h, t1, evaluations)?;
+        }
         // Events first: one of them may end the step early.
         let mut end = t1;
         if !self.events.is_empty() {

@@ -1,17 +1,17 @@
 //! All stages at once: Newton's iteration on a fully implicit table, decoupled by the eigenvectors of its A
 //! (Butcher 1976, BIT 16, 237; Hairer, Wanner 1996, IV.8).
 
-use super::implicit::finite;
+use super::implicit::{finite, subtract};
 use super::iteration::Iteration;
 use super::scalar::{Real, Scalar};
 use super::state::{RealOf, State};
 use super::stepper::Unsolved;
 use super::system::System;
-use crate::linear::{Effort, Eigen, Pair, Square, factor_shifted};
+use crate::linear::{ConstantMass, Effort, Eigen, Known, Pair, Square, factor_shifted};
 use crate::tableau::Form;
 use num_traits::{One, Zero};
 
-/// I - h lambda J for a real eigenvalue.
+/// M - h lambda J for a real eigenvalue.
 #[derive(Clone)]
 struct Single<R, Q> {
     value: R,
@@ -21,7 +21,7 @@ struct Single<R, Q> {
     matrix: Q,
 }
 
-/// I - h lambda J for a pair of conjugate eigenvalues.
+/// M - h lambda J for a pair of conjugate eigenvalues.
 #[derive(Clone)]
 struct Double<R, Q> {
     value: [R; 2],
@@ -56,15 +56,14 @@ pub(super) struct Coupled<Y: State> {
 struct Estimate<R, Q> {
     gamma: R,
     weights: Vec<R>,
-    /// The factors of I - h gamma J, where gamma is no eigenvalue.
+    /// The factors of M - h gamma J, where gamma is no eigenvalue.
     own: Option<Q>,
 }
 
 impl<Y: State> Coupled<Y> {
     /// `None` where A has too few eigenvectors to decouple its stages.
-    pub fn new(form: &Form, y: &Y) -> Option<Self> {
+    pub fn new(form: &Form, y: &Y, known: &Known<Y::Scalar>) -> Option<Self> {
         let real = RealOf::<Y>::from_f64;
-        let n = y.as_slice().len();
         let a = matrix::<RealOf<Y>>(form);
         let plain: Vec<Vec<f64>> = a.iter().map(|row| row.iter().map(|x| x.to_f64()).collect()).collect();
         let eigen = Eigen::of(&plain)?;
@@ -73,14 +72,14 @@ impl<Y: State> Coupled<Y> {
             value: real(eigen.values[k].re),
             into: (0..s).map(|i| real(eigen.inverse[k][i].re)).collect(),
             back: (0..s).map(|i| real(eigen.vectors[i][k].re)).collect(),
-            matrix: Y::Square::new(n),
+            matrix: Y::Square::new(&known.pattern),
         });
         let parts = |x: num_complex::Complex<f64>| [real(x.re), real(x.im)];
         let double = (eigen.real..eigen.values.len()).map(|k| Double {
             value: parts(eigen.values[k]),
             into: (0..s).map(|i| parts(eigen.inverse[k][i])).collect(),
             back: (0..s).map(|i| parts(eigen.vectors[i][k])).collect(),
-            matrix: Y::PairSquare::new(n),
+            matrix: Y::PairSquare::new(&known.pattern),
         });
         let single: Vec<_> = single.collect();
         let c: Vec<f64> = (0..s).map(|i| form.c[i].to_f64()).collect();
@@ -91,7 +90,7 @@ impl<Y: State> Coupled<Y> {
             let b = form.weights();
             let hat = interpolatory(&c, gamma);
             let weights = (0..s).map(|i| real(hat[i] - b[i].to_f64())).collect();
-            let own = eigenvalue.is_none().then(|| Y::Square::new(n));
+            let own = eigenvalue.is_none().then(|| Y::Square::new(&known.pattern));
             Estimate { gamma: real(gamma), weights, own }
         });
         Some(Self {
@@ -125,31 +124,35 @@ impl<Y: State> Coupled<Y> {
         self.old_h = h;
     }
 
-    fn factor(&mut self, jacobian: &Y::Square, h: RealOf<Y>, effort: &mut Effort) -> Result<(), Unsolved> {
+    fn factor(
+        &mut self,
+        jacobian: &Y::Square,
+        mass: Option<&ConstantMass<Y::Scalar>>,
+        h: RealOf<Y>,
+        effort: &mut Effort,
+    ) -> Result<(), Unsolved> {
         if self.h == h {
             return Ok(());
         }
         self.h = RealOf::<Y>::zero();
-        let n = self.w.as_slice().len();
         let singular = |component| Unsolved::Singular { component };
+        let real = |matrix: &mut Y::Square, value: RealOf<Y>| {
+            let hg = h * value;
+            factor_shifted(matrix, jacobian, mass, |m| m, |j| j.scale(-hg)).map_err(singular)
+        };
         for block in &mut self.single {
-            factor_shifted(&mut block.matrix, jacobian, h * block.value).map_err(singular)?;
+            real(&mut block.matrix, block.value)?;
             effort.factorizations += 1;
         }
         if let Some(Estimate { gamma, own: Some(matrix), .. }) = &mut self.estimate {
-            factor_shifted(matrix, jacobian, h * *gamma).map_err(singular)?;
+            real(matrix, *gamma)?;
             effort.factorizations += 1;
         }
         for block in &mut self.double {
             let [re, im] = block.value.map(|v| -h * v);
-            for (to, &from) in block.matrix.entries_mut().iter_mut().zip(jacobian.entries()) {
-                *to = Pair { re: from.scale(re), im: from.scale(im) };
-            }
-            for i in 0..n {
-                let entry = &mut block.matrix.entries_mut()[i + i * n];
-                entry.re = Y::Scalar::one() + entry.re;
-            }
-            block.matrix.factor().map_err(singular)?;
+            let as_pair = |m: Y::Scalar| Pair { re: m, im: Y::Scalar::zero() };
+            let scaled = |j: Y::Scalar| Pair { re: j.scale(re), im: j.scale(im) };
+            factor_shifted(&mut block.matrix, jacobian, mass, as_pair, scaled).map_err(singular)?;
             effort.factorizations += 1;
         }
         self.h = h;
@@ -161,7 +164,7 @@ impl<Y: State> Coupled<Y> {
     pub fn solve<S: System<Y>>(
         &mut self,
         system: &mut S,
-        jacobian: &Y::Square,
+        (jacobian, mass): (&Y::Square, Option<&ConstantMass<Y::Scalar>>),
         (t, end): (RealOf<Y>, RealOf<Y>),
         h: RealOf<Y>,
         y: &Y,
@@ -171,7 +174,7 @@ impl<Y: State> Coupled<Y> {
         mut iteration: Iteration,
         effort: &mut Effort,
     ) -> Result<Iteration, Unsolved> {
-        self.factor(jacobian, h, effort)?;
+        self.factor(jacobian, mass, h, effort)?;
         self.guess(h, slopes);
         let s = slopes.len();
         for (stage, row) in self.stages.iter_mut().zip(&self.a) {
@@ -192,9 +195,7 @@ impl<Y: State> Coupled<Y> {
                 effort.evaluations += 1;
                 system.rhs(at, stage, residual).map_err(|_| Unsolved::Domain)?;
                 finite(residual)?;
-                for (r, f) in residual.as_mut_slice().iter_mut().zip(slope.as_slice()) {
-                    *r = *r - *f;
-                }
+                subtract(residual, mass, slope);
             }
             effort.iterations += 1;
             let square = self.correct(h, slopes, weights);
@@ -212,7 +213,7 @@ impl<Y: State> Coupled<Y> {
     fn correct(&mut self, h: RealOf<Y>, slopes: &mut [Y], weights: &Y) -> f64 {
         let zero = Y::Scalar::zero();
         self.changes.iter_mut().for_each(|x| x.as_mut_slice().fill(zero));
-        for block in &self.single {
+        for block in &mut self.single {
             let w = self.w.as_mut_slice();
             w.fill(zero);
             for (&into, r) in block.into.iter().zip(&self.residuals) {
@@ -228,7 +229,7 @@ impl<Y: State> Coupled<Y> {
             }
         }
         let two = RealOf::<Y>::from_f64(2.0);
-        for block in &self.double {
+        for block in &mut self.double {
             let w = self.pairs.as_mut();
             w.fill(Pair::zero());
             for (&[re, im], r) in block.into.iter().zip(&self.residuals) {
@@ -292,21 +293,32 @@ impl<Y: State> Coupled<Y> {
         }
     }
 
-    /// The error of the step, `(I - h gamma J)^-1 h (gamma f_n + sum (bhat - b)_i F_i)`: an embedded formula of
+    /// The error of the step, `(M - h gamma J)^-1 h (gamma f_n + M sum (bhat - b)_i F_i)`: an embedded formula of
     /// order s that uses f at the start, freed of the stiff components (Shampine's filter). `None` where the
     /// table has rows of its own.
-    pub fn error(&mut self, h: RealOf<Y>, start: &Y, slopes: &[Y]) -> Option<&Y> {
-        let estimate = self.estimate.as_ref()?;
+    pub fn error(
+        &mut self,
+        h: RealOf<Y>,
+        start: &Y,
+        slopes: &[Y],
+        mass: Option<&ConstantMass<Y::Scalar>>,
+    ) -> Option<&Y> {
+        let estimate = self.estimate.as_mut()?;
         let error = self.error.as_mut_slice();
         for (e, f) in error.iter_mut().zip(start.as_slice()) {
             *e = f.scale(h * estimate.gamma);
         }
         for (&weight, f) in estimate.weights.iter().zip(slopes) {
-            for (e, f) in error.iter_mut().zip(f.as_slice()) {
-                *e = *e + f.scale(h * weight);
+            match mass {
+                None => {
+                    for (e, f) in error.iter_mut().zip(f.as_slice()) {
+                        *e = *e + f.scale(h * weight);
+                    }
+                }
+                Some(mass) => mass.add_product(error, h * weight, f.as_slice()),
             }
         }
-        match (&estimate.own, self.single.first()) {
+        match (&mut estimate.own, self.single.first_mut()) {
             (Some(matrix), _) => matrix.solve(error),
             (None, Some(block)) => block.matrix.solve(error),
             (None, None) => {}
@@ -316,7 +328,7 @@ impl<Y: State> Coupled<Y> {
 }
 
 /// A by rows, from the rows of the stages.
-fn matrix<R: Real>(form: &Form) -> Vec<Vec<R>> {
+pub(crate) fn matrix<R: Real>(form: &Form) -> Vec<Vec<R>> {
     let mut a = vec![vec![R::zero(); form.s]; form.s];
     for (i, row) in form.stage[..form.s].iter().enumerate() {
         for j in 0..row.len {

@@ -11,11 +11,12 @@ use super::split::Stiff;
 use super::state::{RealOf, State};
 use super::stepper::{Refused, Unsolved, View, is_one};
 use super::system::System;
-use crate::linear::{Effort, Jacobian, Square, by_differences, factor_shifted};
+use crate::linear::{ConstantMass, Effort, Groups, Jacobian, Known, Square, by_differences, factor_shifted};
 use crate::tableau::{DoubleDouble, Form, Meaning, Stages};
 use num_traits::{One, Zero};
+use std::sync::Arc;
 
-/// I - h g J, factored, for one of the numbers g on the table's diagonal.
+/// M - h g J, factored, for one of the numbers g on the table's diagonal.
 #[derive(Clone)]
 pub(super) struct Factors<R, Q> {
     diagonal: DoubleDouble,
@@ -27,7 +28,11 @@ pub(super) struct Factors<R, Q> {
 /// The Jacobian of a run, its factors and the state of the iteration.
 #[derive(Clone)]
 pub(crate) struct Solver<Y: State> {
-    jacobian: Y::Square,
+    pub(super) jacobian: Y::Square,
+    /// Columns whose differences are taken together.
+    groups: Option<Groups>,
+    /// M of M y' = f(t, y); `None` for the identity.
+    pub(super) mass: Option<Arc<ConstantMass<Y::Scalar>>>,
     /// The Jacobian is that of the start of the step.
     pub(super) here: bool,
     /// There is a Jacobian at all.
@@ -40,8 +45,8 @@ pub(crate) struct Solver<Y: State> {
     pub(super) time: Y,
     pub(super) span: RealOf<Y>,
     /// One over the size that matters, component by component.
-    weights: Y,
-    residual: Y,
+    pub(super) weights: Y,
+    pub(super) residual: Y,
     tolerance: Tolerance<RealOf<Y>>,
     adaptive: bool,
     iteration: Iteration,
@@ -56,9 +61,15 @@ pub(crate) struct Solver<Y: State> {
 
 impl<Y: State> Solver<Y> {
     /// Room for the matrices. Without an error test (`adaptive` false) stages are solved to rounding.
-    pub fn new(form: &Form, y: &Y, tolerance: &Tolerance<RealOf<Y>>, adaptive: bool) -> Self {
+    pub fn new(
+        form: &Form,
+        y: &Y,
+        known: &Known<Y::Scalar>,
+        tolerance: &Tolerance<RealOf<Y>>,
+        adaptive: bool,
+    ) -> Self {
         let n = y.as_slice().len();
-        let matrix = Y::Square::new(n);
+        let matrix = Y::Square::new(&known.pattern);
         let mut factors: Vec<Factors<_, _>> = vec![];
         for row in &form.stage[..form.s] {
             let new = |f: &Factors<_, _>| f.diagonal.hi() != row.diagonal.hi();
@@ -82,6 +93,8 @@ impl<Y: State> Solver<Y> {
         };
         Self {
             jacobian: matrix,
+            groups: known.groups.clone(),
+            mass: known.mass.clone(),
             here: false,
             known: false,
             begun: false,
@@ -94,7 +107,7 @@ impl<Y: State> Solver<Y> {
             tolerance,
             adaptive,
             iteration: Iteration::new(enough, rounding, adaptive),
-            coupled: matches!(form.stages(), Stages::Full).then(|| Coupled::new(form, y)).flatten(),
+            coupled: matches!(form.stages(), Stages::Full).then(|| Coupled::new(form, y, known)).flatten(),
             sloped: false,
             accepted: None,
             tried: RealOf::<Y>::zero(),
@@ -106,6 +119,11 @@ impl<Y: State> Solver<Y> {
     pub fn moved(&mut self) {
         (self.here, self.sloped, self.begun) = (false, false, true);
         self.accepted = Some(self.tried);
+    }
+
+    /// What belongs to the start of a step belongs to another one.
+    pub(super) fn restart(&mut self) {
+        (self.here, self.sloped) = (false, false);
     }
 
     /// The stages and the carried vectors of a step, as in an explicit attempt.
@@ -159,7 +177,7 @@ impl<Y: State> Solver<Y> {
         Ok(())
     }
 
-    fn weigh(&mut self, y: &Y) {
+    pub(super) fn weigh(&mut self, y: &Y) {
         let least = RealOf::<Y>::TINY;
         let mut largest = RealOf::<Y>::zero();
         for y in y.as_slice() {
@@ -203,28 +221,31 @@ impl<Y: State> Solver<Y> {
             coupled.forget();
         }
         self.factors.iter_mut().for_each(|f| f.hg = RealOf::<Y>::zero());
-        let n = y.as_slice().len();
-        let mut given = Jacobian::zero(n, self.jacobian.entries_mut());
+        let mut given = Jacobian::zero(&mut self.jacobian);
         if system.jacobian(t, y, &mut given) {
+            if let Some((row, column)) = given.outside() {
+                return Err(Unsolved::OutsidePattern { row, column });
+            }
             self.effort.jacobians += 1;
         } else {
             self.slope(system, t, y)?;
-            self.time.as_mut_slice().copy_from_slice(y.as_slice());
             by_differences(
                 system,
                 t,
-                &mut self.time,
+                y,
                 &self.slope,
-                &mut self.residual,
+                (&mut self.time, &mut self.residual),
                 &self.weights,
                 h,
-                self.jacobian.entries_mut(),
+                if self.mass.is_some() { RealOf::<Y>::one() } else { RealOf::<Y>::zero() },
+                self.groups.as_ref(),
+                &mut self.jacobian,
                 &mut self.effort,
             )
             .map_err(|_| Unsolved::Domain)?;
         }
         match self.jacobian.entries().iter().position(|x| !x.finite()) {
-            Some(at) => Err(Unsolved::Jacobian { component: at % n }),
+            Some(at) => Err(Unsolved::Jacobian { component: self.jacobian.layout().row_at(at) }),
             None => {
                 (self.here, self.known) = (true, true);
                 Ok(())
@@ -232,7 +253,7 @@ impl<Y: State> Solver<Y> {
         }
     }
 
-    /// Factors of I - h g J for the diagonal g, made where they are not there.
+    /// Factors of M - h g J for the diagonal g, made where they are not there.
     pub(super) fn factored(&mut self, diagonal: DoubleDouble, h: RealOf<Y>) -> Result<usize, Unsolved> {
         let hg = h * RealOf::<Y>::of(diagonal);
         let at = self.factors.iter().position(|f| f.diagonal.hi() == diagonal.hi()).unwrap_or(0);
@@ -240,15 +261,21 @@ impl<Y: State> Solver<Y> {
         if factors.hg != hg {
             self.effort.factorizations += 1;
             factors.hg = RealOf::<Y>::zero();
-            factor_shifted(&mut factors.matrix, &self.jacobian, hg)
-                .map_err(|component| Unsolved::Singular { component })?;
+            factor_shifted(
+                &mut factors.matrix,
+                &self.jacobian,
+                self.mass.as_deref(),
+                |m| m,
+                |j| j.scale(-hg),
+            )
+            .map_err(|component| Unsolved::Singular { component })?;
             factors.hg = hg;
         }
         Ok(at)
     }
 
     /// Stage after stage: Y = g + h a f(t, Y) by Newton's iteration on the slope F, so that no residual is
-    /// multiplied by the stiffness: (I - h a J) dF = f(t, g + h a F) - F.
+    /// multiplied by the stiffness: (M - h a J) dF = f(t, g + h a F) - M F.
     fn diagonal<S: System<Y>>(
         &mut self,
         form: &Form,
@@ -315,7 +342,7 @@ impl<Y: State> Solver<Y> {
         y: &mut Y,
         slope: &mut Y,
     ) -> Result<(), Unsolved> {
-        let Factors { hg, matrix, .. } = &self.factors[factors];
+        let Factors { hg, matrix, .. } = &mut self.factors[factors];
         let (hg, n) = (*hg, slope.as_slice().len() as f64);
         for (y, f) in y.as_mut_slice().iter_mut().zip(slope.as_slice()) {
             *y = *y + f.scale(hg);
@@ -326,9 +353,7 @@ impl<Y: State> Solver<Y> {
             self.effort.iterations += 1;
             system.rhs(t, y, &mut self.residual).map_err(|_| Unsolved::Domain)?;
             finite(&self.residual)?;
-            for (r, f) in self.residual.as_mut_slice().iter_mut().zip(slope.as_slice()) {
-                *r = *r - *f;
-            }
+            subtract(&mut self.residual, self.mass.as_deref(), slope);
             matrix.solve(self.residual.as_mut_slice());
             let mut square = 0.0;
             let corrections = self.residual.as_slice().iter().zip(self.weights.as_slice());
@@ -349,13 +374,14 @@ impl<Y: State> Solver<Y> {
     /// A bound of h |lambda| for all eigenvalues lambda of the Jacobian last taken: its largest row sum in units of
     /// what matters.
     pub fn reach(&self, h: RealOf<Y>) -> f64 {
-        let (entries, weights) = (self.jacobian.entries(), self.weights.as_slice());
-        let n = weights.len();
+        let (entries, layout, weights) =
+            (self.jacobian.entries(), self.jacobian.layout(), self.weights.as_slice());
         let row = |i: usize| {
-            let entry = |j: usize| (entries[i + j * n] * weights[i] / weights[j]).modulus().to_f64();
-            (0..n).map(entry).sum::<f64>()
+            let at = |j: usize| layout.place(i, j).map_or(Y::Scalar::zero(), |at| entries[at]);
+            let entry = |j: usize| (at(j) * weights[i] / weights[j]).modulus().to_f64();
+            (0..weights.len()).map(entry).sum::<f64>()
         };
-        h.modulus().to_f64() * (0..n).map(row).fold(0.0, f64::max)
+        h.modulus().to_f64() * (0..weights.len()).map(row).fold(0.0, f64::max)
     }
 
     /// f at the start of the step.
@@ -378,7 +404,7 @@ impl<Y: State> Solver<Y> {
     pub fn error_square(&mut self, view: View<Y>, tolerance: &Tolerance<RealOf<Y>>) -> Option<RealOf<Y>> {
         let h = self.tried;
         let slopes = &view.read()[view.form.r..];
-        let error = self.coupled.as_mut()?.error(h, &self.slope, slopes)?;
+        let error = self.coupled.as_mut()?.error(h, &self.slope, slopes, self.mass.as_deref())?;
         let one = RealOf::<Y>::one();
         let share = one / RealOf::<Y>::from_f64(error.as_slice().len().max(1) as f64);
         let square = view.next(0).error_square::<Plain, 1>(view.y(), tolerance, one, |_| one, |_| error);
@@ -401,7 +427,7 @@ impl<Y: State> Solver<Y> {
         let Some(coupled) = &mut self.coupled else { return Err(refused(Unsolved::Diverged)) };
         let solved = coupled.solve(
             system,
-            &self.jacobian,
+            (&self.jacobian, self.mass.as_deref()),
             (t, end),
             h,
             &z[0],
@@ -419,6 +445,21 @@ impl<Y: State> Solver<Y> {
 /// Of a system in one part, the other is nothing to evaluate.
 fn counted<Y: State, S: System<Y>>(nonstiff: bool, system: &S) -> u64 {
     u64::from(!nonstiff || system.is_split())
+}
+
+/// `residual -= M slope`.
+#[inline(always)]
+pub(super) fn subtract<Y: State>(residual: &mut Y, mass: Option<&ConstantMass<Y::Scalar>>, slope: &Y) {
+    match mass {
+        None => {
+            for (r, f) in residual.as_mut_slice().iter_mut().zip(slope.as_slice()) {
+                *r = *r - *f;
+            }
+        }
+        Some(mass) => {
+            mass.add_product(residual.as_mut_slice(), -RealOf::<Y>::one(), slope.as_slice());
+        }
+    }
 }
 
 /// What f gave is a number.

@@ -1,5 +1,6 @@
 //! One step of any method: what a state is, how a row is worked out, the one stepper.
 
+pub(crate) mod consistent;
 pub(crate) mod coupled;
 pub(crate) mod implicit;
 pub(crate) mod iteration;

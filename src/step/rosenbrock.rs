@@ -41,7 +41,11 @@ impl<Y: State> Solver<Y> {
             for j in 0..i {
                 let couple = form.couple[i][j];
                 if couple.hi() != 0.0 {
-                    add(own, RealOf::<Y>::of(couple), &before[form.r + j]);
+                    let (couple, f) = (RealOf::<Y>::of(couple), &before[form.r + j]);
+                    match &self.mass {
+                        None => add(own, couple, f),
+                        Some(mass) => mass.add_product(own.as_mut_slice(), couple, f.as_slice()),
+                    }
                 }
             }
             if form.time[i].hi() != 0.0 {

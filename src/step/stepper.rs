@@ -28,12 +28,14 @@ pub enum Unsolved {
     Domain,
     /// Newton's iteration diverged or was too slow, with a Jacobian of this step.
     Diverged,
-    /// The matrix I - h g J has no pivot in this column.
+    /// The matrix M - h g J has no pivot in this column.
     Singular { component: usize },
     /// The right-hand side gave a NaN or an infinity in this component.
     NonFinite { component: usize },
     /// The Jacobian has one in this row.
     Jacobian { component: usize },
+    /// The Jacobian was written to outside its pattern.
+    OutsidePattern { row: usize, column: usize },
 }
 
 /// What a stepper holds, whatever its method: code off the hot path is compiled once for a state.

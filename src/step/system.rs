@@ -1,7 +1,7 @@
 //! The right-hand side: a closure or a struct.
 
 use super::state::{RealOf, State};
-use crate::linear::Jacobian;
+use crate::linear::{Jacobian, Pattern};
 use num_traits::Zero;
 
 /// The right-hand side refuses a point (a root of a negative number, a density below zero): the step
@@ -17,7 +17,8 @@ impl std::fmt::Display for OutOfDomain {
 
 impl std::error::Error for OutOfDomain {}
 
-/// y' = f(t, y), or y'' = f(t, y) for second-order methods, written into `dy`.
+/// y' = f(t, y), or y'' = f(t, y) for second-order methods, written into `dy`; with a mass matrix M
+/// (see [`Ivp::mass`](crate::Ivp::mass)), `dy` is M y'.
 ///
 /// Every closure `|t, y, dy|` is one; it may return nothing or `Result<(), OutOfDomain>`.
 pub trait System<Y: State> {
@@ -29,6 +30,17 @@ pub trait System<Y: State> {
     /// take differences of f otherwise.
     fn jacobian(&mut self, _t: RealOf<Y>, _y: &Y, _j: &mut Jacobian<Y::Scalar>) -> bool {
         false
+    }
+
+    /// Writes df_i/dt, where the system knows it, and answers whether it does. Rosenbrock methods take a difference
+    /// of f otherwise.
+    fn time_derivative(&mut self, _t: RealOf<Y>, _y: &Y, _dfdt: &mut Y) -> bool {
+        false
+    }
+
+    /// Which entries of df/dy can be other than zero, where the system knows it.
+    fn pattern(&self) -> Option<Pattern> {
+        None
     }
 
     /// f is a sum of two parts, of which IMEX pairs treat one implicitly.
@@ -92,6 +104,12 @@ impl<Y: State, S: System<Y>, J: FnMut(RealOf<Y>, &Y, &mut Jacobian<Y::Scalar>)> 
     }
     fn nonstiff(&mut self, t: RealOf<Y>, y: &Y, dy: &mut Y) -> Result<(), OutOfDomain> {
         self.system.nonstiff(t, y, dy)
+    }
+    fn time_derivative(&mut self, t: RealOf<Y>, y: &Y, dfdt: &mut Y) -> bool {
+        self.system.time_derivative(t, y, dfdt)
+    }
+    fn pattern(&self) -> Option<Pattern> {
+        self.system.pattern()
     }
 }
 
