@@ -7,6 +7,7 @@ use super::double_double::DoubleDouble as D;
 use super::form::{CARRIED, Form, Meaning, POWERS, Row, STAGES};
 use super::history::{History, multistep, predictor_corrector};
 use super::linear::rosenbrock;
+use super::nordsieck::nordsieck;
 use super::{Array, Scheme, Splitting, Tableau};
 
 /// The one form of a method. `None` where it has none: pairs of tables step two right-hand sides.
@@ -22,6 +23,7 @@ pub(super) const fn lower_to(t: &Tableau, form: &mut Form) -> bool {
         Scheme::RungeKutta(array) => runge_kutta(t, array, !full(array), form),
         Scheme::Multistep(steps) => multistep(t, steps, 1, form),
         Scheme::Stormer(steps) => multistep(t, steps, 2, form),
+        Scheme::Nordsieck(members) => nordsieck(t, members, form),
         Scheme::PredictorCorrector { predictor, corrector, evaluates } => {
             predictor_corrector(t, predictor, corrector, *evaluates, form)
         }
