@@ -39,6 +39,8 @@ pub(crate) struct Effort {
     pub jacobians: u64,
     pub factorizations: u64,
     pub iterations: u64,
+    /// The highest order, of a family that chooses it.
+    pub order: usize,
 }
 
 /// The Jacobian by forward differences, one evaluation a column, into `entries` column after column.
