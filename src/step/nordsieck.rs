@@ -297,3 +297,81 @@ impl<Y: State> Solver<Y> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::methods::{Adams, Bdf};
+    use crate::step::method::Method;
+    use crate::step::norm::Tolerance;
+    use crate::tableau::DoubleDouble as D;
+
+    fn n(x: f64) -> D {
+        D::of(x)
+    }
+
+    /// y = 1/(1 + t), to which a damped family is pulled.
+    fn exact(t: D) -> D {
+        n(1.0) / (n(1.0) + t)
+    }
+
+    /// So many steps of size h with one member, from the exact history: t, y and h f after each.
+    fn steps(form: &Form, q: usize, h: D, count: usize) -> Vec<(D, D, D)> {
+        let pull = if form.damped { n(-1.0) } else { D::ZERO };
+        let f = |t: D, y: D| pull * (y - exact(t)) - exact(t) * exact(t);
+        let mut system = |t: D, y: &[D; 1], dy: &mut [D; 1]| dy[0] = f(t, y[0]);
+        // Every first correction is good enough: the equation is linear, and without a pull it has no y.
+        let tolerance = Tolerance::Scalar { rtol: n(1.0), atol: n(1.0) };
+        let mut solver = Solver::new(form, &[exact(D::ZERO)], &tolerance, true);
+        let mut words = vec![[D::ZERO; 1]; form.words()];
+        let family = solver.nordsieck.as_mut().unwrap();
+        (family.order, family.start, family.h, family.top) = (q, Start::Done, h, form.orders);
+        for (k, z) in words[..=q].iter_mut().enumerate() {
+            z[0] = (-h).powi(k as u32);
+        }
+        let mut seen = vec![];
+        for i in 0..count {
+            let (t, end) = (h * n(i as f64), h * n(i as f64 + 1.0));
+            solver.attempt(form, &mut words, &mut system, (t, end), h, false).unwrap();
+            let (z, next) = words.split_at_mut(form.r + 2);
+            z[..form.r].copy_from_slice(&next[..form.r]);
+            solver.moved();
+            let y = words[0][0];
+            seen.push((end, y, h * f(end, y)));
+        }
+        seen
+    }
+
+    #[test]
+    fn steps_of_one_size_are_those_of_the_formula() {
+        for (form, orders) in [(Bdf.form(), 5), (Adams.form(), 12)] {
+            for q in 1..=orders {
+                let seen = steps(form, q, n(1.0 / 32.0), 40);
+                let corrector = &form.correctors[q - 1];
+                for window in seen.windows(corrector.k + 1) {
+                    let mut off = D::ZERO;
+                    for (j, &(_, y, f)) in window.iter().enumerate() {
+                        off += n(corrector.alpha[j]) * y - n(corrector.beta[j]) * f;
+                    }
+                    // The formula's coefficients are f64 here.
+                    assert!(off.abs().hi() < 1e-14, "order {q}: off by {:e}", off.hi());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_member_has_its_order() {
+        for (form, orders) in [(Bdf.form(), 5), (Adams.form(), 12)] {
+            for q in 1..=orders {
+                let error = |per: usize| {
+                    let last = *steps(form, q, n(1.0 / per as f64), 2 * per).last().unwrap();
+                    (last.1 - exact(last.0)).abs().hi()
+                };
+                let (coarse, fine) = (error(128), error(256));
+                let found = (coarse / fine).log2();
+                assert!((found - q as f64).abs() < 0.2, "{found}, not {q}: {coarse:e} {fine:e}");
+            }
+        }
+    }
+}

@@ -44,7 +44,11 @@ pub(super) fn estimates(form: &Form, q: usize) -> [f64; 3] {
 
 impl<Y: State> Solver<Y> {
     /// The square of the error of the step just attempted.
-    pub(super) fn nordsieck_error(&mut self, view: View<Y>, tolerance: &Tolerance<RealOf<Y>>) -> Option<RealOf<Y>> {
+    pub(super) fn nordsieck_error(
+        &mut self,
+        view: View<Y>,
+        tolerance: &Tolerance<RealOf<Y>>,
+    ) -> Option<RealOf<Y>> {
         let family = self.nordsieck.as_mut()?;
         let one = RealOf::<Y>::one();
         let unit = RealOf::<Y>::from_f64(estimates(view.form, family.order)[1]);

@@ -196,3 +196,104 @@ pub(super) const fn determined(members: &Members, tolerance: f64) -> Result<(), 
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::lower::tests::{file, form};
+    use super::super::read::{read, value};
+    use super::super::{Form, prove::prove};
+    use super::*;
+
+    fn l(form: &Form, q: usize) -> Vec<D> {
+        form.correctors[q - 1].l[..=q].to_vec()
+    }
+
+    fn assert_l(form: &Form, q: usize, wanted: &str) {
+        let wanted: Vec<D> = wanted.split(' ').map(|entry| value(entry).unwrap()).collect();
+        let found = l(form, q);
+        assert_eq!(found.len(), wanted.len());
+        for (found, wanted) in found.iter().zip(wanted) {
+            // Elimination by powers of up to eleven steps: 24 digits are left at order 12.
+            assert!((*found - wanted).abs().hi() < 1e-24 * (1.0 + wanted.hi()), "{q}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn correctors_are_those_of_the_books() {
+        // Gear 1971, tables 9.1 and 11.1; order 12 by exact fractions.
+        let (adams, bdf) = (form("nordsieck/adams"), form("nordsieck/bdf"));
+        assert_l(&adams, 1, "1 1");
+        assert_l(&adams, 2, "1/2 1 1/2");
+        assert_l(&adams, 3, "5/12 1 3/4 1/6");
+        assert_l(&adams, 4, "3/8 1 11/12 1/3 1/24");
+        assert_l(&adams, 6, "95/288 1 137/120 5/8 17/96 1/40 1/720");
+        assert_l(
+            &adams,
+            12,
+            "4777223/17418240 1 83711/55440 190553/151200 341747/518400 139381/604800 242537/4354560 \
+             1903/201600 10831/9676800 11/120960 1/207360 1/6652800 1/479001600",
+        );
+        assert_l(&bdf, 1, "1 1");
+        assert_l(&bdf, 2, "2/3 1 1/3");
+        assert_l(&bdf, 3, "6/11 1 6/11 1/11");
+        assert_l(&bdf, 5, "60/137 1 225/274 85/274 15/274 1/274");
+        // Backward differentiation errs by -1/(q + 1), Moulton's formulas by 1/2, 1/12, 1/24, 19/720, ..
+        for q in 1..=5 {
+            let constant = bdf.correctors[q - 1].constant.hi();
+            assert!((constant + 1.0 / (q as f64 + 1.0)).abs() < 1e-15, "{q}: {constant}");
+        }
+        for (q, wanted) in [(1, 0.5), (2, 1.0 / 12.0), (3, 1.0 / 24.0), (4, 19.0 / 720.0)] {
+            assert!((adams.correctors[q - 1].constant.hi() + wanted).abs() < 1e-15, "{q}");
+        }
+    }
+
+    #[test]
+    fn what_forgets_at_infinity_takes_newtons_iteration() {
+        assert!(form("nordsieck/bdf").damped && !form("nordsieck/adams").damped);
+        assert_eq!((form("nordsieck/bdf").r, form("nordsieck/adams").r), (6, 13));
+    }
+
+    #[test]
+    fn every_member_is_proven_to_its_order() {
+        for path in ["nordsieck/bdf", "nordsieck/adams"] {
+            let t = file(path);
+            prove(&t).unwrap();
+            t.prove_all().unwrap();
+        }
+    }
+
+    /// The file of a family of order 2 with these rows.
+    fn refusal(rows: &str) -> String {
+        let text = format!("name = \"t\"\norder = 2\ncite = \"t\"\nnordsieck = '''\n{rows}\n'''\n");
+        let read = read(text.leak());
+        read.and_then(|t| prove(&t)).unwrap_err().text.as_str().to_string()
+    }
+
+    #[test]
+    fn wrong_members_are_named() {
+        let one = "alpha | -1 1\nbeta | 0 1\n";
+        for (rows, why) in [
+            (
+                "alpha | 1/2 -2 3/2\nbeta | 0 0 1.002",
+                "the member of order 2: the order 1 condition of the tree [] is off by 1e-3",
+            ),
+            (
+                "alpha | -1/3 1/3 1\nbeta | 0 0 1",
+                "the member of order 2: the weights of y do not sum to 1: off by 1",
+            ),
+            ("alpha | -1 1\nbeta | 1 0", "the last entry of beta is 0: a member must be implicit"),
+            ("alpha | -1 1\nbeta | 0 1", "the member of order 2 must read as many old y and f, not 1"),
+            (
+                "beta | 0 1\nalpha | -1 1",
+                "a member is a row alpha | .. and a row beta | .., from the oldest step on",
+            ),
+            (
+                "",
+                "a family of order 2 has a row alpha | .. and a row beta | .. for each order from 1 on, to at most 12",
+            ),
+        ] {
+            let found = refusal(&format!("{one}{rows}"));
+            assert!(found.starts_with(why), "{rows}: {found}");
+        }
+    }
+}

@@ -5,7 +5,6 @@
 //! a start by other means serves every method and there is nothing to prove about it; that the history does
 //! not blow up is proven in `roots`.
 
-use super::{Scheme, Tableau};
 use super::double_double::DoubleDouble as D;
 use super::error::{Broken, TableauError, Text};
 use super::form::{CARRIED, Meaning, STAGES};
@@ -15,6 +14,7 @@ use super::roots::zero_stable;
 use super::series::{Forms, Series, Sources, apply};
 use super::sums::{sums, within};
 use super::trees::{Kind, Tree, write};
+use super::{Scheme, Tableau};
 
 /// What rounding may leave of a condition that holds exactly: six digits are granted to cancellation.
 const FLOOR: f64 = 1e-26;

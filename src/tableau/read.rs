@@ -21,8 +21,8 @@ macro_rules! ok {
 use ok;
 
 use super::error::{TableauError, Text};
-use super::number::number;
 use super::nordsieck::reads;
+use super::number::number;
 use super::{CARRIED, D, Members, ORDERS, STAGES, Scheme, Splitting, Steps, Tableau};
 use array::{imex, nystrom, partitioned, rosenbrock, runge_kutta, transformed};
 use file::{File, Key, about, shape, syntax};
@@ -259,7 +259,8 @@ const fn members(file: &File) -> Result<Scheme, TableauError> {
     ok!(grid.unruled());
     let order = ok!(file.integer(Key::Order, HIGHEST));
     if grid.rows != 2 * order || order > ORDERS {
-        let text = Text::new().str("a family of order ").number(order).str(" has a row alpha | .. and a row ");
+        let text =
+            Text::new().str("a family of order ").number(order).str(" has a row alpha | .. and a row ");
         let text = text.str("beta | .. for each order from 1 on, to at most ").number(ORDERS);
         return Err(shape(file.line(Key::Nordsieck), text));
     }
@@ -269,14 +270,17 @@ const fn members(file: &File) -> Result<Scheme, TableauError> {
     while q <= order {
         let r = 2 * (q - 1);
         if !grid.labelled(r, "alpha") || !grid.labelled(r + 1, "beta") {
-            return Err(grid.refuse(r, "a member is a row alpha | .. and a row beta | .., from the oldest step on"));
+            return Err(
+                grid.refuse(r, "a member is a row alpha | .. and a row beta | .., from the oldest step on")
+            );
         }
         let steps = ok!(formula(&grid, r));
         if steps.beta[steps.k].hi() == 0.0 {
             return Err(grid.refuse(r + 1, "the last entry of beta is 0: a member must be implicit"));
         }
         if reads(&steps) != q {
-            let text = Text::new().str("the member of order ").number(q).str(" must read as many old y and f, not ");
+            let text =
+                Text::new().str("the member of order ").number(q).str(" must read as many old y and f, not ");
             return Err(shape(grid.line(r), text.number(reads(&steps))));
         }
         members.steps[q - 1] = steps;
