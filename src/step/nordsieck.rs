@@ -16,8 +16,8 @@ use num_traits::{One, Zero};
 
 /// Accepted steps after which factors are made anew, and a Jacobian is taken anew.
 const AGES: [u32; 2] = [20, 50];
-/// h l_0 may differ by this factor from the one that was factored.
-const NEAR: f64 = 0.3;
+/// h l_0 may differ by this share from the one that was factored.
+const NEAR: f64 = 0.2;
 
 /// The order and the memory of a run in Nordsieck form.
 #[derive(Clone)]
