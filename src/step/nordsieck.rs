@@ -166,7 +166,8 @@ impl<Y: State> Solver<Y> {
             for (z, &slope) in z[1].as_mut_slice().iter_mut().zip(e.as_slice()) {
                 *z = slope.scale(h);
             }
-            (family.start, family.h) = (Start::Done, h);
+            // Whatever stood in z' is none of its past.
+            (family.start, family.h, family.top) = (Start::Done, h, form.orders);
         }
         if family.h != h {
             family.wait = family.order + 1;
