@@ -15,6 +15,7 @@ use num_traits::One;
 
 /// The first change of step may be any: it makes up for a careful start.
 pub(super) const FIRST_GROWTH: f64 = 1e4;
+/// Growth at once after all others.
 const GROWTH: f64 = 10.0;
 /// Growth after a step that failed.
 pub(super) const CAREFUL: f64 = 2.0;

@@ -30,10 +30,6 @@ impl<Y: State> Solver<Y> {
         factors: &mut [f64; 3],
     ) -> bool {
         let q = family.order;
-        // The lowest orders are A-stable.
-        if q < 2 || form.orders < 3 {
-            return false;
-        }
         if let Some(found) = self.dominant(e) {
             family.threat = Some(found);
         }
@@ -51,7 +47,7 @@ impl<Y: State> Solver<Y> {
             return false;
         }
         factors[1] = factors[1].min(1.0);
-        if !unstable(q, 1.0) {
+        if q == 1 || !unstable(q, 1.0) {
             return false;
         }
         factors[0] = factors[0].clamp(0.5, family.grow);
