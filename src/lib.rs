@@ -46,7 +46,8 @@
 //! ```
 //!
 //! Any method with implicit stages will do; the Jacobian is found by differences unless
-//! [`Ivp::jacobian`] gives it.
+//! [`Ivp::jacobian`] gives it. [`methods::Bdf`] chooses its order with its step, and so does
+//! [`methods::Adams`] where nothing is stiff and f costs much.
 //!
 //! # Steps of one size, for a scene
 //!

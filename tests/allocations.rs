@@ -1,8 +1,8 @@
 //! Steps do not allocate: a run of four times as many takes as many allocations, whatever is stepped.
 
 use kutta::methods::{
-    Ab4, Abm4Pece, Bdf3, CashKarp54, Dop853, Dp54, Euler, ForestRuth4, Kvaerno5, RadauIia3, Rk4, Rodas5p,
-    VelocityVerlet, Verlet,
+    Ab4, Abm4Pece, Adams, Bdf, Bdf3, CashKarp54, Dop853, Dp54, Euler, ForestRuth4, Kvaerno5, RadauIia3, Rk4,
+    Rodas5p, VelocityVerlet, Verlet,
 };
 use kutta::{Crossing, Ivp, Loaded, Method, Scalar, State, Stats, methods, solve, solve_second};
 use num_complex::Complex;
@@ -95,6 +95,9 @@ fn every_family<Y: State<Scalar: Scalar<Real = f64>>>(what: &str, y: &Y) {
     // Implicit stages: room for the matrices is taken once.
     if y.as_slice().len() <= 40 {
         let run = |t1: f64| solve(turn, y.clone(), 0.0..t1).rtol(1e-5).atol(1e-5);
+        check("adams", &|t1| run(t1).with(Adams).run().unwrap().stats);
+        check("bdf", &|t1| run(t1).with(Bdf).run().unwrap().stats);
+        check("bdf, read", &|t1| run(t1).with(read("bdf")).run().unwrap().stats);
         check("kvaerno5", &|t1| run(t1).with(Kvaerno5).run().unwrap().stats);
         check("rodas5p", &|t1| run(t1).with(Rodas5p).run().unwrap().stats);
         check("radau-iia3", &|t1| run(t1).with(RadauIia3).run().unwrap().stats);

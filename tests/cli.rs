@@ -132,6 +132,7 @@ fn show_has_rows_for_every_family() {
         ("ros2", &["alpha", "b", "bhat", "gamma"]),
         ("rodas4", &["a", "c", "dense_weights", "gamma", "m", "mhat"]),
         ("bdf2", &["alpha", "beta"]),
+        ("bdf", &["formulas"]),
         ("verlet", &["alpha", "beta"]),
         ("abm2-pece", &["corrector", "mode", "predictor"]),
         ("velocity-verlet", &["a", "c", "v", "y"]),

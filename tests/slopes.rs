@@ -79,7 +79,9 @@ struct Known {
 
 static METHODS: LazyLock<Vec<Known>> = LazyLock::new(|| {
     let loaded = methods::all().iter().filter_map(|m| Some((Loaded::parse(m.name, m.text).ok()?, m.text)));
-    let known = loaded.map(|(method, text)| {
+    // Families of variable order take no steps of one size; tests/nordsieck.rs has them.
+    let fixed = loaded.filter(|(method, _)| method.form().orders == 0);
+    let known = fixed.map(|(method, text)| {
         let digits = text.lines().find_map(|line| line.strip_prefix("digits")?.trim().strip_prefix('='));
         // Rounding leaves 1e-31 for each of some hundred steps.
         let digits = digits.map_or(29.0, |digits| digits.trim().parse().expect("a count of digits"));
@@ -106,7 +108,7 @@ impl Known {
         let form = self.form();
         let age = |m: &Meaning| match *m {
             Meaning::Y(k) | Meaning::F(k) => k,
-            Meaning::V => 0,
+            Meaning::V | Meaning::Taylor(_) => 0,
         };
         form.means[..form.r].iter().map(age).max().unwrap_or(0)
     }
@@ -260,6 +262,7 @@ fn dense_output_has_its_order() {
             interpolant
         };
         match interpolant {
+            Interpolant::Nordsieck { .. } => panic!("{}: of a family", known.name()),
             Interpolant::Own { order } => assert_eq!(order, form.dense_order, "{}", known.name()),
             Interpolant::Hermite { order } => {
                 // Implicit methods ask f for no slopes in between, which stiffness would spoil.

@@ -26,6 +26,8 @@ fn allowed(problem: &str, method: &str, order: usize) -> f64 {
         // the steps grow too long.
         (_, "trbdf2" | "esdirk34-jorgensen") => 1e3,
         (_, "kencarp3-esdirk" | "kencarp5-esdirk" | "kencarp4-7-imex") => 100.0,
+        // Steps are many and small, and their errors add up.
+        (_, "bdf" | "adams") => 100.0,
         // E5 and the Oregonator carry errors of early steps along.
         _ if order < 4 => 100.0,
         _ => 40.0,
@@ -109,7 +111,10 @@ fn a_stable_methods_damp_whatever_is_fast() {
 #[test]
 fn differences_serve_where_no_jacobian_is_given() {
     let p = RobertsonUntil40;
-    for method in implicit().into_iter().filter(|m| m.form().adaptive() && m.form().order > 3) {
+    // A family that is not damped takes no Jacobian.
+    let takes = |m: &Loaded| m.form().orders == 0 || m.form().damped;
+    let high = |m: &Loaded| m.form().adaptive() && m.form().order > 3;
+    for method in implicit().into_iter().filter(|m| high(m) && takes(m)) {
         let run = |given: bool| -> Solution<[f64; 3]> {
             let f = |t: f64, y: &[f64; 3], dy: &mut [f64; 3]| p.rhs(t, y, dy);
             let ivp = solve(f, p.y0(), 0.0..40.0).with(method.clone()).rtol(1e-6).atol(1e-10);

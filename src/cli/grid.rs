@@ -20,7 +20,7 @@ struct Row<'t> {
 }
 
 /// The keys of all grids, what stands over them, and whether their rows have a bar.
-const KEYS: [(&str, &str, bool); 17] = [
+const KEYS: [(&str, &str, bool); 18] = [
     ("tableau", "", true),
     ("dense_stages", "further stages of the dense output", true),
     ("explicit", "explicit table, for f", true),
@@ -32,6 +32,7 @@ const KEYS: [(&str, &str, bool); 17] = [
     ("c", "c", true),
     ("gamma", "gamma", true),
     ("multistep", "sum alpha y = h sum beta f, the oldest step first", true),
+    ("nordsieck", "members by order: sum alpha y = h sum beta f, the oldest step first", true),
     ("stormer", "sum alpha y = h^2 sum beta f, the oldest step first", true),
     ("predictor", "predictor", true),
     ("corrector", "corrector", true),
@@ -124,6 +125,14 @@ impl Grid<'_> {
     /// Each row under its label.
     pub fn labelled(&self) -> Value {
         self.above.iter().map(|row| (row.label.to_string(), list(&row.entries, 0))).collect()
+    }
+
+    /// Rows under labels that come again and again: an object for each round of `n`.
+    pub fn rounds(&self, n: usize) -> Value {
+        let object = |rows: &[Row]| -> Value {
+            rows.iter().map(|row| (row.label.to_string(), list(&row.entries, 0))).collect()
+        };
+        self.above.chunks(n).map(object).collect()
     }
 
     /// `drift` and `kick`, in order.

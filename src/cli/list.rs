@@ -52,6 +52,7 @@ impl Item {
             ("explicit Runge-Kutta", false, ..=6) => "adaptive, 1e-3 to 1e-8",
             ("explicit Runge-Kutta", false, _) => "adaptive, tight tolerances",
             ("explicit multistep" | "predictor-corrector", ..) => "fixed steps, costly f",
+            ("variable-order multistep", ..) => "adaptive, order varies",
             ("Stormer" | "Nystrom" | "splitting", ..) => "fixed steps, long runs",
             (_, true, _) => "fixed steps",
             (_, false, _) => "adaptive",
@@ -60,7 +61,7 @@ impl Item {
 }
 
 /// Every family, those that can be stepped first, and what it is for.
-const FAMILIES: [(&str, &str); 12] = [
+const FAMILIES: [(&str, &str); 13] = [
     ("explicit Runge-Kutta", "y' = f(t, y), not stiff"),
     ("explicit multistep", "y' = f(t, y), not stiff, one evaluation a step"),
     ("predictor-corrector", "y' = f(t, y), not stiff, one or two evaluations a step"),
@@ -70,6 +71,7 @@ const FAMILIES: [(&str, &str); 12] = [
     ("diagonally implicit Runge-Kutta", "stiff"),
     ("fully implicit Runge-Kutta", "stiff, or high order"),
     ("implicit multistep", "stiff (BDF), or the corrector of a pair (Adams-Moulton)"),
+    ("variable-order multistep", "stiff (BDF), or not stiff and f costly (Adams); order and step vary"),
     ("Rosenbrock", "stiff, with the Jacobian at hand"),
     ("IMEX pair", "y' = f + g, g stiff"),
     ("partitioned pair", "q' = f(p), p' = g(q)"),

@@ -109,6 +109,7 @@ fn rows(grids: &[Grid], tableau: &Tableau) -> Map<String, Value> {
             })
         }
         Scheme::Multistep(_) => steps("multistep"),
+        Scheme::Nordsieck(_) => json!({ "formulas": grid("nordsieck").map(|grid| grid.rounds(2)) }),
         Scheme::Stormer(_) => steps("stormer"),
         Scheme::PredictorCorrector { evaluates, .. } => json!({
             "predictor": steps("predictor"),

@@ -1,6 +1,6 @@
 //! A method's derived properties in plain words, and as JSON.
 
-use kutta::tableau::{Properties, Stages};
+use kutta::tableau::{Member, Properties, Stages};
 use serde_json::{Map, Value, json};
 
 /// A line for each property that applies.
@@ -20,6 +20,9 @@ pub fn words(p: &Properties) -> String {
         line("stage order", q.to_string());
     }
     line("local error", local_error(p));
+    for m in &p.members {
+        line(&format!("of order {}", m.order), member(m));
+    }
     if let (Some(x), Some(y)) = (p.real_limit, p.imaginary_limit) {
         let of = if p.family == "IMEX pair" { " (explicit table)" } else { "" };
         line(
@@ -122,6 +125,19 @@ fn local_error(p: &Properties) -> String {
     text
 }
 
+/// l, the error and the sector of a member of a family.
+fn member(m: &Member) -> String {
+    let l: Vec<_> = m.l.iter().map(|l| short(l.hi())).collect();
+    let sector = sector(m.alpha, m.at_infinity, m.alpha == 90.0 && m.at_infinity < 1e-9);
+    format!(
+        "l = {}; {} h^{} y^({3}); {sector}",
+        l.join(" "),
+        short(m.error_constant),
+        m.order + 1,
+        m.order + 1
+    )
+}
+
 fn from(x: f64) -> String {
     match x {
         0.0 => "nowhere".to_string(),
@@ -150,6 +166,16 @@ fn sector(alpha: f64, at_infinity: f64, l_stable: bool) -> String {
 
 fn miss(x: f64) -> String {
     if x == 0.0 { "the last bit".to_string() } else { format!("{x:.1e}") }
+}
+
+fn member_json(m: &Member) -> Value {
+    json!({
+        "order": m.order,
+        "l": m.l.iter().map(|l| l.hi()).collect::<Vec<_>>(),
+        "error_constant": m.error_constant,
+        "alpha": m.alpha,
+        "at_infinity": m.at_infinity,
+    })
 }
 
 /// What applies, under the names of the library. JSON knows no infinity: it is the text `inf`.
@@ -187,6 +213,7 @@ pub fn json(p: &Properties) -> Map<String, Value> {
         "blind": p.blind,
         "symplectic": p.symplectic,
         "symmetric": p.symmetric,
+        "members": (!p.members.is_empty()).then(|| p.members.iter().map(member_json).collect::<Vec<_>>()),
     });
     let entries = all.as_object().cloned().unwrap_or_default();
     entries.into_iter().filter(|(_, value)| !value.is_null()).collect()

@@ -105,6 +105,8 @@ pub(crate) struct Effort {
     pub jacobians: u64,
     pub factorizations: u64,
     pub iterations: u64,
+    /// The highest order, of a family that chooses it.
+    pub order: usize,
 }
 
 /// The Jacobian by forward differences into `matrix`: one evaluation a column, or, with `groups` of columns that

@@ -101,7 +101,7 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
                 return Err(Why::NonFinite { component, stage: Some(0) });
             }
             let embedded = if form.estimated() { form.s } else { form.embedded[0].max(form.embedded[1]) };
-            let order = form.order.min(embedded);
+            let order = if form.orders > 0 { 1 } else { form.order.min(embedded) };
             let size = match self.options.step.take() {
                 Some(size) => size,
                 None => {

@@ -63,6 +63,12 @@ pub(crate) fn check<Y: State>(
         if !form.adaptive() {
             return Some(format!("{name} has no error estimate: give it a step with .step(h)"));
         }
+        let set = if options.late { Some(".late") } else { options.controller.map(|_| ".controller") };
+        if let Some(set) = set
+            && form.orders > 0
+        {
+            return Some(format!("{name} chooses its steps with its order: leave out {set}"));
+        }
         if let Some(text) = tolerance(&options.tolerance, y0.as_slice().len()) {
             return Some(text);
         }
@@ -100,6 +106,9 @@ pub(crate) fn check<Y: State>(
             ));
         }
     } else {
+        if form.orders > 0 {
+            return Some(format!("{name} chooses its steps with its order: leave out .step(h)"));
+        }
         let h = options.step.unwrap_or(zero);
         if !(h.finite() && h > zero) {
             return Some(format!(

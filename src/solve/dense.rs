@@ -38,7 +38,9 @@ pub(crate) struct Dense<Y: State> {
 
 impl<Y: State> Dense<Y> {
     pub fn new(form: &Form, y: &Y, mass: bool) -> Self {
-        let (interpolant, interior) = if form.dense_order > 0 {
+        let (interpolant, interior) = if form.orders > 0 {
+            (Interpolant::Nordsieck { lowest: 1, highest: form.orders }, 0)
+        } else if form.dense_order > 0 {
             (Interpolant::Own { order: form.dense_order }, 0)
         } else if mass {
             (Interpolant::Hermite { order: form.order.min(3) }, 0)
@@ -101,7 +103,7 @@ impl<Y: State> Dense<Y> {
     }
 
     fn is_own(&self) -> bool {
-        matches!(self.interpolant, Interpolant::Own { .. })
+        !matches!(self.interpolant, Interpolant::Hermite { .. })
     }
 
     /// Evaluates what the interpolant needs beside the stages, once per step, and counts it.
@@ -188,6 +190,16 @@ impl<Y: State> Dense<Y> {
                     let change = (x1[i] - x0[i]).scale(w[2]);
                     let slopes = v0(i).scale(w[0]) + v1(i).scale(w[3]);
                     *out = x0[i] + (change + slopes + (a0[i].scale(w[1]) + a1[i].scale(w[4])));
+                }
+            }
+            None if form.orders > 0 => {
+                // About the end of the step; vectors above its order are zero.
+                let past = theta - RealOf::<Y>::one();
+                copy(out, view.next(form.orders));
+                for k in (0..form.orders).rev() {
+                    for (out, &z) in out.as_mut_slice().iter_mut().zip(view.next(k).as_slice()) {
+                        *out = z + out.scale(past);
+                    }
                 }
             }
             None => {

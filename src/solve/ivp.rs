@@ -216,7 +216,13 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Ivp<'w, Y, S, M, P> {
         self
     }
 
-    /// Steps of one size: `round(span / h)` of them, so that the last one ends where the span does.
+    /// Steps of one size: `round(span / h)` of them, so that the last one ends where the span does. Methods of
+    /// variable order, `Bdf` and `Adams`, take none.
+    ///
+    /// ```compile_fail
+    /// let decay = kutta::solve(|_t, y: &[f64; 1], dy: &mut [f64; 1]| dy[0] = -y[0], [1.0], 0.0..10.0);
+    /// decay.with(kutta::methods::Bdf).step(0.1).run();
+    /// ```
     pub fn step(self, h: RealOf<Y>) -> Ivp<'w, Y, S, M, Fixed> {
         let Self { system, y0, v0, span, method, mut options, .. } = self;
         options.step = Some(h);
@@ -273,7 +279,8 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Ivp<'w, Y, S, M, P> {
         self
     }
 
-    /// How the next step follows from the errors of the last ones. Default: [`Controller::PI`].
+    /// How the next step follows from the errors of the last ones. Default: [`Controller::PI`]. Methods of
+    /// variable order have a rule of their own and refuse another.
     pub fn controller(mut self, controller: Controller) -> Self {
         self.options.controller = Some(controller);
         self
@@ -281,7 +288,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Ivp<'w, Y, S, M, P> {
 
     /// Takes each step as the last error but one asks for, so that no step waits for its own error. It saves
     /// a fifth of the time where f costs a few nanoseconds, and costs rejected steps where the step must
-    /// change fast. Default: off.
+    /// change fast. Methods of variable order refuse it. Default: off.
     pub fn late(mut self, late: bool) -> Self {
         self.options.late = late;
         self

@@ -16,6 +16,8 @@ pub struct Stats {
     pub jacobians: u64,
     pub factorizations: u64,
     pub iterations: u64,
+    /// The highest order that a family of variable order took a step with; 0 for every other method.
+    pub order: usize,
     pub accepted: u64,
     pub rejected: Rejections,
     /// The component that dominated most error-test rejections, by majority vote.
@@ -45,6 +47,7 @@ impl Stats {
         self.jacobians += effort.jacobians;
         self.factorizations += effort.factorizations;
         self.iterations += effort.iterations;
+        self.order = self.order.max(effort.order);
     }
 }
 
@@ -86,12 +89,17 @@ pub enum Interpolant {
     Own { order: usize },
     /// Hermite interpolation of values and slopes, with extra evaluations where the order asks for them.
     Hermite { order: usize },
+    /// The Taylor polynomial of a Nordsieck array, of the order of the step: from `lowest`, with which a run
+    /// starts, to `highest`.
+    Nordsieck { lowest: usize, highest: usize },
 }
 
 impl Interpolant {
+    /// The order; the lowest where it is that of the step.
     pub fn order(self) -> usize {
         match self {
             Interpolant::Own { order } | Interpolant::Hermite { order } => order,
+            Interpolant::Nordsieck { lowest, .. } => lowest,
         }
     }
 }

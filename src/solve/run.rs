@@ -193,6 +193,8 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
     let longest = rules.max_step * (RealOf::<Y>::one() + RealOf::<Y>::from_f64(16.0) * RealOf::<Y>::EPSILON);
     let watching = watch.active();
     let implicit = const { M::READ || !Known::<M>::FORM.explicit() } && solver.is_some();
+    // The order is chosen with the step.
+    let varies = const { M::READ || Known::<M>::FORM.orders > 0 } && form.orders > 0;
     // The stage that was refused when the step was last cut, until the step grows again.
     let mut edge = None;
     // Steps of one size that nobody looks at: the method and nothing else. The one that fails, if one does, is
@@ -297,7 +299,14 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
                 Ok(()) => {
                     edge = None;
                     known = first_is_copy && lend(&stepper, first_slope_is_finite);
-                    h = step * RealOf::<Y>::from_f64(control.rejected(square));
+                    let factor = match &mut solver {
+                        Some(solver) if varies => {
+                            let (form, words) = stepper.form_and_words();
+                            solver.rechosen(form, words)
+                        }
+                        _ => control.rejected(square),
+                    };
+                    h = step * RealOf::<Y>::from_f64(factor);
                     // An error beyond the range of numbers is an error all the same.
                     let flaw =
                         if P::ADAPTIVE && square.is_finite() { None } else { lend(&stepper, not_finite) };
@@ -372,7 +381,14 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
         last = step;
         if P::ADAPTIVE {
             lost = (step - (next - t)) + lost;
-            let next_step = step * RealOf::<Y>::from_f64(control.accepted(square));
+            let factor = match &mut solver {
+                Some(solver) if varies => {
+                    let (form, words) = stepper.form_and_words();
+                    solver.chosen(form, words)
+                }
+                _ => control.accepted(square),
+            };
+            let next_step = step * RealOf::<Y>::from_f64(factor);
             // A step cut short by the end says nothing about the size that was wanted.
             let next_step = if lands && next_step.modulus() < h.modulus() { h } else { next_step };
             let fresh = next_step.minimum(rules.max_step).maximum(-rules.max_step);

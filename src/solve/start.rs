@@ -15,7 +15,7 @@ use num_traits::{One, Zero};
 pub(crate) fn steps_behind(form: &Form) -> usize {
     let age = |m: &Meaning| match *m {
         Meaning::Y(k) | Meaning::F(k) => k,
-        Meaning::V => 0,
+        Meaning::V | Meaning::Taylor(_) => 0,
     };
     form.means[..form.r].iter().map(age).max().unwrap_or(0)
 }
@@ -45,6 +45,8 @@ pub(crate) fn fill<Y: State>(
         let z = &mut words[j];
         match meaning {
             Meaning::Y(k) => z.as_mut_slice().copy_from_slice(history.ys[last - k].as_slice()),
+            // Made of the first slope once the step is known.
+            Meaning::Taylor(_) => z.as_mut_slice().fill(Y::Scalar::zero()),
             Meaning::V => match v {
                 Some(v) => z.as_mut_slice().copy_from_slice(v.as_slice()),
                 None => z.as_mut_slice().fill(Y::Scalar::zero()),

@@ -64,6 +64,10 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             );
             if let Some(form) = M::FORM {
                 assert!(!P::ADAPTIVE || form.adaptive(), "no error estimate: give a step with `.step(h)`");
+                assert!(
+                    P::ADAPTIVE || form.orders == 0,
+                    "a family of variable order chooses its steps: leave out `.step(h)`"
+                );
             }
         }
         let Ivp { system, y0, v0, span, method, mut options, .. } = ivp;

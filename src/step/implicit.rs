@@ -1,9 +1,10 @@
 //! How implicit stages are solved: Newton's iteration on one stage after the other, or on all of them
-//! ([`coupled`](super::coupled)), or one linear equation a stage ([`rosenbrock`](super::rosenbrock)). Rows are
-//! read in a loop: the matrices cost more than that.
+//! ([`coupled`](super::coupled)), or one linear equation a stage ([`rosenbrock`](super::rosenbrock)), or that of
+//! a multistep formula ([`nordsieck`](super::nordsieck)). Rows are read in a loop: the matrices cost more than that.
 
 use super::coupled::Coupled;
 use super::iteration::Iteration;
+use super::nordsieck::Nordsieck;
 use super::norm::Tolerance;
 use super::row::{assemble_read, powers};
 use super::scalar::{Plain, Real, Scalar};
@@ -11,7 +12,9 @@ use super::split::Stiff;
 use super::state::{RealOf, State};
 use super::stepper::{Refused, Unsolved, View, is_one};
 use super::system::System;
-use crate::linear::{ConstantMass, Effort, Groups, Jacobian, Known, Square, by_differences, factor_shifted};
+use crate::linear::{
+    ConstantMass, Effort, Groups, Jacobian, Known, Pattern, Square, by_differences, factor_shifted,
+};
 use crate::tableau::{DoubleDouble, Form, Meaning, Stages};
 use num_traits::{One, Zero};
 use std::sync::Arc;
@@ -21,7 +24,7 @@ use std::sync::Arc;
 pub(super) struct Factors<R, Q> {
     diagonal: DoubleDouble,
     /// h g of the factors; zero where there are none.
-    hg: R,
+    pub(super) hg: R,
     pub(super) matrix: Q,
 }
 
@@ -36,7 +39,7 @@ pub(crate) struct Solver<Y: State> {
     /// The Jacobian is that of the start of the step.
     pub(super) here: bool,
     /// There is a Jacobian at all.
-    known: bool,
+    pub(super) known: bool,
     /// A step was accepted: its slopes are there.
     begun: bool,
     pub(super) factors: Vec<Factors<RealOf<Y>, Y::Square>>,
@@ -52,10 +55,12 @@ pub(crate) struct Solver<Y: State> {
     iteration: Iteration,
     coupled: Option<Coupled<Y>>,
     /// The slope at the start of the step is there.
-    sloped: bool,
+    pub(super) sloped: bool,
     /// The size of the last attempt, if it was accepted.
     accepted: Option<RealOf<Y>>,
-    tried: RealOf<Y>,
+    pub(super) tried: RealOf<Y>,
+    /// The history of a family of multistep formulas.
+    pub(super) nordsieck: Option<Box<Nordsieck<Y>>>,
     pub effort: Effort,
 }
 
@@ -69,7 +74,11 @@ impl<Y: State> Solver<Y> {
         adaptive: bool,
     ) -> Self {
         let n = y.as_slice().len();
-        let matrix = Y::Square::new(&known.pattern);
+        // A family that is not damped needs none.
+        let matrix = match form.orders > 0 && !form.damped {
+            true => Y::Square::new(&Arc::new(Pattern::dense(0))),
+            false => Y::Square::new(&known.pattern),
+        };
         let mut factors: Vec<Factors<_, _>> = vec![];
         for row in &form.stage[..form.s] {
             let new = |f: &Factors<_, _>| f.diagonal.hi() != row.diagonal.hi();
@@ -111,6 +120,7 @@ impl<Y: State> Solver<Y> {
             sloped: false,
             accepted: None,
             tried: RealOf::<Y>::zero(),
+            nordsieck: (form.orders > 0).then(|| Box::new(Nordsieck::new(y, rounding))),
             effort: Effort::default(),
         }
     }
@@ -119,6 +129,9 @@ impl<Y: State> Solver<Y> {
     pub fn moved(&mut self) {
         (self.here, self.sloped, self.begun) = (false, false, true);
         self.accepted = Some(self.tried);
+        if let Some(family) = &mut self.nordsieck {
+            family.moved(self.tried);
+        }
     }
 
     /// What belongs to the start of a step belongs to another one.
@@ -139,6 +152,9 @@ impl<Y: State> Solver<Y> {
         let powers = powers(h);
         let (x, out) = words.split_at_mut(form.r + form.s);
         self.weigh(&x[0]);
+        if form.orders > 0 {
+            return self.nordsieck(form, x, out, system, (t, end), h);
+        }
         match form.stages() {
             Stages::Linear => self.linear(form, x, out, system, (t, end), h)?,
             stages => {
@@ -257,21 +273,21 @@ impl<Y: State> Solver<Y> {
     pub(super) fn factored(&mut self, diagonal: DoubleDouble, h: RealOf<Y>) -> Result<usize, Unsolved> {
         let hg = h * RealOf::<Y>::of(diagonal);
         let at = self.factors.iter().position(|f| f.diagonal.hi() == diagonal.hi()).unwrap_or(0);
-        let factors = &mut self.factors[at];
-        if factors.hg != hg {
-            self.effort.factorizations += 1;
-            factors.hg = RealOf::<Y>::zero();
-            factor_shifted(
-                &mut factors.matrix,
-                &self.jacobian,
-                self.mass.as_deref(),
-                |m| m,
-                |j| j.scale(-hg),
-            )
-            .map_err(|component| Unsolved::Singular { component })?;
-            factors.hg = hg;
+        if self.factors[at].hg != hg {
+            self.refactor(at, hg)?;
         }
         Ok(at)
+    }
+
+    /// Makes factors of M - hg J.
+    pub(super) fn refactor(&mut self, at: usize, hg: RealOf<Y>) -> Result<(), Unsolved> {
+        let factors = &mut self.factors[at];
+        self.effort.factorizations += 1;
+        factors.hg = RealOf::<Y>::zero();
+        factor_shifted(&mut factors.matrix, &self.jacobian, self.mass.as_deref(), |m| m, |j| j.scale(-hg))
+            .map_err(|component| Unsolved::Singular { component })?;
+        factors.hg = hg;
+        Ok(())
     }
 
     /// Stage after stage: Y = g + h a f(t, Y) by Newton's iteration on the slope F, so that no residual is
@@ -402,6 +418,9 @@ impl<Y: State> Solver<Y> {
 
     /// The error of the step just attempted, for a table whose estimate is made, not given.
     pub fn error_square(&mut self, view: View<Y>, tolerance: &Tolerance<RealOf<Y>>) -> Option<RealOf<Y>> {
+        if view.form.orders > 0 {
+            return self.nordsieck_error(view, tolerance);
+        }
         let h = self.tried;
         let slopes = &view.read()[view.form.r..];
         let error = self.coupled.as_mut()?.error(h, &self.slope, slopes, self.mass.as_deref())?;

@@ -23,6 +23,56 @@ pub(super) struct Iteration {
     slowest: f64,
 }
 
+/// How the corrections of a multistep formula converge. Its predictions are good, and its equations alike from step
+/// to step: the rate of the last one serves to judge the first correction of the next.
+#[derive(Clone, Copy)]
+pub(super) struct Corrections {
+    /// Below this they no longer converge because of rounding.
+    rounding: f64,
+    rate: f64,
+    last: f64,
+    count: i32,
+}
+
+impl Corrections {
+    /// Most corrections: with more a new matrix or a smaller step is cheaper (Hindmarsh 1983).
+    const MOST: i32 = 3;
+    /// The rate that is assumed where none was seen.
+    const UNSEEN: f64 = 0.7;
+
+    pub fn new(rounding: f64) -> Self {
+        Self { rounding, rate: Self::UNSEEN, last: 0.0, count: 0 }
+    }
+
+    /// Another equation: nothing is known of its rate.
+    pub fn forget(&mut self) {
+        self.rate = Self::UNSEEN;
+    }
+
+    pub fn begin(&mut self) {
+        self.count = 0;
+    }
+
+    /// Judges a correction of that size: `None` to go on.
+    pub fn judge(&mut self, size: f64, enough: f64) -> Option<Result<(), Unsolved>> {
+        if !size.is_finite() {
+            return Some(Err(Unsolved::Diverged));
+        }
+        if self.count > 0 {
+            self.rate = (0.2 * self.rate).max(size / self.last);
+        }
+        if size * (1.5 * self.rate).min(1.0) <= enough {
+            return Some(Ok(()));
+        }
+        self.count += 1;
+        if self.count == Self::MOST || self.count > 1 && size > 2.0 * self.last {
+            return Some(if size <= self.rounding { Ok(()) } else { Err(Unsolved::Diverged) });
+        }
+        self.last = size;
+        None
+    }
+}
+
 impl Iteration {
     /// One that ends below `enough`; without an error test (`adaptive` false) stages are solved to rounding.
     pub fn new(enough: f64, rounding: f64, adaptive: bool) -> Self {

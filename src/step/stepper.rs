@@ -231,6 +231,10 @@ impl<M: Method, Y: State> Stepper<M, Y> {
         &self.words.as_ref()[i]
     }
 
+    pub fn form_and_words(&mut self) -> (&Form, &mut [Y]) {
+        (form_of(&self.method), self.words.as_mut())
+    }
+
     pub fn words_mut(&mut self) -> &mut [Y] {
         self.words.as_mut()
     }

@@ -9,7 +9,7 @@ use super::prove::prove_to;
 use super::roots::zero_stable;
 use super::series::{Defect, Forms, Solution, defects};
 use super::stability::{Characteristic, Locus};
-use super::{Scheme, Tableau};
+use super::{Members, Scheme, Tableau};
 
 /// How the stages of a method are found.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -87,6 +87,23 @@ pub struct Properties {
     pub symplectic: Option<bool>,
     /// A composition that reads the same backwards: reversible in time.
     pub symmetric: Option<bool>,
+    /// What is derived of each member of a family of variable order, from order 1 on. The other properties are
+    /// those of the member of the highest order, the sector of stability that of all.
+    pub members: Vec<Member>,
+}
+
+/// A member of a family of variable order.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Member {
+    pub order: usize,
+    /// Its corrector in Nordsieck form: l_0 .. l_order.
+    pub l: Vec<D>,
+    /// C_(order+1) / sigma(1).
+    pub error_constant: f64,
+    /// A(alpha)-stability: alpha in degrees.
+    pub alpha: f64,
+    /// The largest root of sigma: the amplification at infinity.
+    pub at_infinity: f64,
 }
 
 impl Tableau<'_> {
@@ -101,6 +118,7 @@ impl Tableau<'_> {
             (Scheme::Rosenbrock { .. }, _) => "Rosenbrock",
             (Scheme::Multistep(_), Stages::Explicit) => "explicit multistep",
             (Scheme::Multistep(_), _) => "implicit multistep",
+            (Scheme::Nordsieck(_), _) => "variable-order multistep",
             (Scheme::Stormer(_), _) => "Stormer",
             (Scheme::PredictorCorrector { .. }, _) => "predictor-corrector",
             (Scheme::Nystrom { .. }, _) => "Nystrom",
@@ -117,6 +135,7 @@ impl Tableau<'_> {
             Scheme::Multistep(steps) | Scheme::Stormer(steps) if steps.beta[steps.k].hi() != 0.0 => {
                 Stages::Diagonal
             }
+            Scheme::Nordsieck(_) => Stages::Diagonal,
             _ => Stages::Explicit,
         }
     }
@@ -129,7 +148,7 @@ impl Tableau<'_> {
             | Scheme::Partitioned { position: array, .. }
             | Scheme::Rosenbrock { alpha: array, .. }
             | Scheme::Nystrom { array, .. } => array.stages,
-            Scheme::Multistep(_) | Scheme::Stormer(_) => 1,
+            Scheme::Multistep(_) | Scheme::Stormer(_) | Scheme::Nordsieck(_) => 1,
             Scheme::PredictorCorrector { evaluates, .. } => 1 + *evaluates as usize,
             Scheme::Splitting(_) => self.form().map_or(0, |form| form.s + fsal(&form) as usize),
         }
@@ -173,7 +192,10 @@ impl Tableau<'_> {
         let forms = forms;
         let steps_back = matches!(
             self.scheme,
-            Scheme::Multistep(_) | Scheme::Stormer(_) | Scheme::PredictorCorrector { .. }
+            Scheme::Multistep(_)
+                | Scheme::Nordsieck(_)
+                | Scheme::Stormer(_)
+                | Scheme::PredictorCorrector { .. }
         );
         let first = &forms.form[0];
         // Decimals are as good as their digits, exact entries as the arithmetic.
@@ -231,6 +253,7 @@ impl Tableau<'_> {
             blind: vec![],
             symplectic: None,
             symmetric: None,
+            members: vec![],
         };
         match &self.scheme {
             Scheme::RungeKutta(array) => {
@@ -269,10 +292,17 @@ impl Tableau<'_> {
                 all.limits(&limits, tolerance);
                 all.error_constant = Some(error_constant(steps, 1, self.order));
                 if all.kind != Stages::Explicit {
-                    let at_infinity = locus.at_infinity();
-                    let half_line = all.real_limit == Some(f64::INFINITY) && at_infinity < 1.0 + 1e-9;
-                    all.sector(if half_line { locus.angle() } else { 0.0 }, at_infinity);
+                    let (alpha, at_infinity) = sector(&limits, &locus, tolerance);
+                    all.sector(alpha, at_infinity);
                 }
+            }
+            Scheme::Nordsieck(members) => {
+                let (last, limits) = (&members.steps[members.count - 1], Characteristic::of(first));
+                all.limits(&limits, tolerance);
+                all.error_constant = Some(error_constant(last, 1, self.order));
+                all.members = self.members(members, tolerance);
+                let least = all.members.iter().map(|m| m.alpha).fold(90.0, f64::min);
+                all.sector(least, all.members.iter().map(|m| m.at_infinity).fold(0.0, f64::max));
             }
             Scheme::Stormer(steps) => {
                 all.error_constant = Some(error_constant(steps, 2, self.order));
@@ -291,6 +321,26 @@ impl Tableau<'_> {
             all.zero_stable = Some(zero_stable(first, loose).is_ok());
         }
         all
+    }
+}
+
+/// Alpha of A(alpha)-stability in degrees, and the amplification at infinity, of a multistep formula.
+fn sector(limits: &Characteristic, locus: &Locus, near: f64) -> (f64, f64) {
+    let at_infinity = locus.at_infinity();
+    let half_line = limits.real(near) == f64::INFINITY && at_infinity < 1.0 + 1e-9;
+    (if half_line { locus.angle() } else { 0.0 }, at_infinity)
+}
+
+impl Tableau<'_> {
+    fn members(&self, members: &Members, near: f64) -> Vec<Member> {
+        let form = self.form();
+        let member = |q: usize| {
+            let (steps, limits) = (&members.steps[q - 1], Forms::of(&members.of(self, q)));
+            let (alpha, at_infinity) = sector(&Characteristic::of(&limits.form[0]), &Locus::of(steps), near);
+            let l = form.iter().flat_map(|form| form.correctors[q - 1].l[..=q].to_vec()).collect();
+            Member { order: q, l, error_constant: error_constant(steps, 1, q), alpha, at_infinity }
+        };
+        (1..=members.count).map(member).collect()
     }
 }
 

@@ -6,11 +6,12 @@
 //! z'_j = sum_k v_jk z_k + sum_i b_ji F_i                                     (what is carried on)
 //! ```
 //!
-//! Nothing is stored scaled by h: a term carries h to the power (power of its source - power of its
+//! Nothing but a Nordsieck array is stored scaled by h: a term carries h to the power (power of its source - power of its
 //! target), where y has power 0, v = y' of a second-order equation 1, and f power d.
 
 use super::derive::Stages;
 use super::double_double::DoubleDouble as D;
+use super::nordsieck::{Corrector, ORDERS};
 
 /// Most stages of a method, those of its dense output included.
 pub const STAGES: usize = 20;
@@ -30,13 +31,15 @@ pub enum Meaning {
     F(usize),
     /// y' of a second-order equation at t_n.
     V,
+    /// h^k y^(k) / k! at t_n.
+    Taylor(usize),
 }
 
 impl Meaning {
     /// The power of h that scales this vector against y.
     pub const fn power(self, d: usize) -> usize {
         match self {
-            Meaning::Y(_) => 0,
+            Meaning::Y(_) | Meaning::Taylor(_) => 0,
             Meaning::V => 1,
             Meaning::F(_) => d,
         }
@@ -176,6 +179,11 @@ pub struct Form {
     pub nonstiff: [bool; STAGES],
     /// Extra stages of the dense output; stage s + i evaluates f at c[s + i], row stage[s + i].
     pub extra: usize,
+    /// Members of a family of variable order, those of order 1 to this; 0 for every other method.
+    pub orders: usize,
+    pub correctors: [Corrector; ORDERS],
+    /// Every member forgets at infinity what it carries: its corrector is solved by Newton's iteration.
+    pub damped: bool,
 }
 
 impl Form {
@@ -200,6 +208,9 @@ impl Form {
         time: [D::ZERO; STAGES],
         nonstiff: [false; STAGES],
         extra: 0,
+        orders: 0,
+        correctors: [Corrector::EMPTY; ORDERS],
+        damped: false,
     };
 
     /// Vectors a stepper holds: z, F | Y, z'.
@@ -267,7 +278,7 @@ impl Form {
 
     /// Steps can be chosen from an error estimate.
     pub const fn adaptive(&self) -> bool {
-        self.errors > 0 || self.estimated()
+        self.errors > 0 || self.estimated() || self.orders > 0
     }
 
     /// An explicit form evaluates its stages one after the other.

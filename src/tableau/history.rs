@@ -146,6 +146,13 @@ const fn age(form: &Form, source: usize) -> D {
         Meaning::Y(k) => D::of_integer(-(k as i64)),
         Meaning::V => D::ONE,
         Meaning::F(_) => slope,
+        Meaning::Taylor(k) => {
+            if k == 1 {
+                D::ONE
+            } else {
+                D::ZERO
+            }
+        }
     }
 }
 

@@ -8,6 +8,7 @@ use super::double_double::DoubleDouble as D;
 use super::form::{CARRIED, Form, Meaning, POWERS, Row, STAGES};
 use super::history::{History, multistep, predictor_corrector};
 use super::linear::rosenbrock;
+use super::nordsieck::nordsieck;
 use super::pairs::{imex, partitioned};
 use super::{Array, Scheme, Splitting, Tableau};
 
@@ -29,6 +30,7 @@ pub(super) const fn lower_to(t: &Tableau, form: &mut Form) -> bool {
         }
         Scheme::Multistep(steps) => multistep(t, steps, 1, form),
         Scheme::Stormer(steps) => multistep(t, steps, 2, form),
+        Scheme::Nordsieck(members) => nordsieck(t, members, form),
         Scheme::PredictorCorrector { predictor, corrector, evaluates } => {
             predictor_corrector(t, predictor, corrector, *evaluates, form)
         }

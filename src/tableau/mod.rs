@@ -9,6 +9,7 @@ mod form;
 mod history;
 mod linear;
 mod lower;
+mod nordsieck;
 mod number;
 mod pairs;
 mod prove;
@@ -19,10 +20,11 @@ mod stability;
 mod sums;
 mod trees;
 
-pub use derive::{Properties, Stages};
+pub use derive::{Member, Properties, Stages};
 pub use double_double::DoubleDouble;
 pub use error::{Broken, TableauError, Text};
 pub use form::{CARRIED, Form, Meaning, POWERS, Row, STAGES, TERMS};
+pub use nordsieck::{Corrector, Members, ORDERS};
 pub(crate) use prove::tolerance;
 pub(crate) use read::stencil;
 pub use read::{entries, value};
@@ -125,6 +127,8 @@ pub enum Scheme {
         gamma: Array,
     },
     Multistep(Steps),
+    /// Formulas of ascending order, stepped in Nordsieck form.
+    Nordsieck(Members),
     /// sum alpha_j y_(n+j) = h^2 sum beta_j f_(n+j) for y'' = f(t, y).
     Stormer(Steps),
     /// `evaluates`: f is evaluated once more at the corrected value (PECE); else PEC.

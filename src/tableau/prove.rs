@@ -5,21 +5,32 @@
 //! a start by other means serves every method and there is nothing to prove about it; that the history does
 //! not blow up is proven in `roots`.
 
-use super::Tableau;
 use super::double_double::DoubleDouble as D;
 use super::error::{Broken, TableauError, Text};
 use super::form::{CARRIED, Meaning, STAGES};
 use super::lower;
+use super::nordsieck::{determined, of_member};
 use super::roots::zero_stable;
 use super::series::{Forms, Series, Sources, apply};
 use super::sums::{sums, within};
 use super::trees::{Kind, Tree, write};
+use super::{Scheme, Tableau};
 
 /// What rounding may leave of a condition that holds exactly: six digits are granted to cancellation.
 const FLOOR: f64 = 1e-26;
 
 /// Proves the order to 8 (pairs: 6), the embedded and dense orders, the row sums and zero-stability.
 pub(super) const fn prove(t: &Tableau) -> Result<(), TableauError> {
+    if let Scheme::Nordsieck(members) = &t.scheme {
+        let mut q = 1;
+        while q <= members.count {
+            if let Err(error) = prove(&members.of(t, q)) {
+                return Err(of_member(error, q));
+            }
+            q += 1;
+        }
+        return determined(members, tolerance(t.digits));
+    }
     let forms = match forms(t) {
         Ok(forms) => forms,
         Err(error) => return Err(error),
@@ -43,6 +54,12 @@ const fn prove_with<const N: usize>(t: &Tableau, forms: &Forms) -> Result<(), Ta
 
 /// Proves the same with orders to `limit`.
 pub(super) fn prove_to(t: &Tableau, limit: usize) -> Result<(), TableauError> {
+    if let Scheme::Nordsieck(members) = &t.scheme {
+        for q in 1..=members.count {
+            prove_to(&members.of(t, q), limit).map_err(|error| of_member(error, q))?;
+        }
+        return determined(members, tolerance(t.digits));
+    }
     let forms = forms(t)?;
     let claims = Claims::of(t, &forms, limit);
     let trees = forms.kind.trees_to(claims.highest);
@@ -133,7 +150,7 @@ impl Claims {
     /// with h, f with h^d, and each may be off by h^order.
     const fn lift(&self, meaning: Meaning, d: usize) -> usize {
         match meaning {
-            Meaning::Y(_) => self.positions as usize,
+            Meaning::Y(_) | Meaning::Taylor(_) => self.positions as usize,
             Meaning::V => 1,
             Meaning::F(_) => d - 1,
         }

@@ -21,8 +21,9 @@ macro_rules! ok {
 use ok;
 
 use super::error::{TableauError, Text};
+use super::nordsieck::reads;
 use super::number::number;
-use super::{CARRIED, D, STAGES, Scheme, Splitting, Steps, Tableau};
+use super::{CARRIED, D, Members, ORDERS, STAGES, Scheme, Splitting, Steps, Tableau};
 use array::{imex, nystrom, partitioned, rosenbrock, runge_kutta, transformed};
 use file::{File, Key, about, shape, syntax};
 use grid::{Grid, Layout, ROWS, count};
@@ -41,7 +42,7 @@ struct Family {
 }
 
 /// The first of a family's keys is its own; `gamma` alone names none.
-const FAMILIES: [Family; 10] = [
+const FAMILIES: [Family; 11] = [
     Family {
         title: "a Runge-Kutta method",
         needs: &[Key::Tableau],
@@ -56,6 +57,7 @@ const FAMILIES: [Family; 10] = [
         may: &[Key::Embedded, Key::Dense, Key::DenseOrder],
     },
     Family { title: "a multistep method", needs: &[Key::Multistep], may: &[] },
+    Family { title: "a family in Nordsieck form", needs: &[Key::Nordsieck], may: &[] },
     Family { title: "a Stormer method", needs: &[Key::Stormer], may: &[] },
     Family {
         title: "a predictor-corrector pair",
@@ -206,6 +208,7 @@ const fn scheme(file: &File, family: Key) -> Result<Scheme, TableauError> {
         Key::Alpha => rosenbrock(file),
         Key::A => transformed(file),
         Key::Multistep => Ok(Scheme::Multistep(ok!(steps(file, Key::Multistep)))),
+        Key::Nordsieck => members(file),
         Key::Stormer => Ok(Scheme::Stormer(ok!(steps(file, Key::Stormer)))),
         Key::Predictor => predictor_corrector(file),
         Key::Nystrom => nystrom(file),
@@ -217,33 +220,73 @@ const fn scheme(file: &File, family: Key) -> Result<Scheme, TableauError> {
 const fn steps(file: &File, key: Key) -> Result<Steps, TableauError> {
     let grid = ok!(Grid::read(file, key, Layout::Bar));
     ok!(grid.unruled());
-    let last = grid.rows - 1;
-    if last != 1 || !grid.labelled(0, "alpha") || !grid.labelled(1, "beta") {
+    if grid.rows != 2 || !grid.labelled(0, "alpha") || !grid.labelled(1, "beta") {
         let text = "a multistep grid is a row alpha | .. and a row beta | .., from the oldest step on";
-        return Err(grid.refuse(last, text));
+        return Err(grid.refuse(grid.rows - 1, text));
     }
-    let n = grid.width[0];
-    if n != grid.width[1] {
+    formula(&grid, 0)
+}
+
+/// The rows `alpha | ..` at `r` and `beta | ..` below it.
+const fn formula(grid: &Grid, r: usize) -> Result<Steps, TableauError> {
+    let n = grid.width[r];
+    if n != grid.width[r + 1] {
         let text = count(Text::new().str("alpha has "), n, " entry", " entries").str(" but beta has ");
-        return Err(shape(grid.line(1), text.number(grid.width[1]).str("; write zeros out")));
+        return Err(shape(grid.line(r + 1), text.number(grid.width[r + 1]).str("; write zeros out")));
     }
     if n < 2 || n > CARRIED {
         return Err(shape(
-            grid.line(0),
+            grid.line(r),
             Text::new().str("alpha takes 2 to ").number(CARRIED).str(" entries"),
         ));
     }
-    if grid.entry[0][n - 1].hi() == 0.0 {
-        return Err(grid.refuse(0, "the last entry of alpha is 0: it belongs to the new y and cannot be"));
+    if grid.entry[r][n - 1].hi() == 0.0 {
+        return Err(grid.refuse(r, "the last entry of alpha is 0: it belongs to the new y and cannot be"));
     }
     let mut steps = Steps { k: n - 1, alpha: [D::ZERO; CARRIED], beta: [D::ZERO; CARRIED] };
     let mut j = 0;
     while j < n {
-        steps.alpha[j] = grid.entry[0][j];
-        steps.beta[j] = grid.entry[1][j];
+        steps.alpha[j] = grid.entry[r][j];
+        steps.beta[j] = grid.entry[r + 1][j];
         j += 1;
     }
     Ok(steps)
+}
+
+/// Rows `alpha | ..` and `beta | ..` in turn, for order 1, 2, .., up to that of the file.
+const fn members(file: &File) -> Result<Scheme, TableauError> {
+    let grid = ok!(Grid::read(file, Key::Nordsieck, Layout::Bar));
+    ok!(grid.unruled());
+    let order = ok!(file.integer(Key::Order, HIGHEST));
+    if grid.rows != 2 * order || order > ORDERS {
+        let text =
+            Text::new().str("a family of order ").number(order).str(" has a row alpha | .. and a row ");
+        let text = text.str("beta | .. for each order from 1 on, to at most ").number(ORDERS);
+        return Err(shape(file.line(Key::Nordsieck), text));
+    }
+    let empty = Steps { k: 0, alpha: [D::ZERO; CARRIED], beta: [D::ZERO; CARRIED] };
+    let mut members = Members { count: order, steps: [empty; ORDERS] };
+    let mut q = 1;
+    while q <= order {
+        let r = 2 * (q - 1);
+        if !grid.labelled(r, "alpha") || !grid.labelled(r + 1, "beta") {
+            return Err(
+                grid.refuse(r, "a member is a row alpha | .. and a row beta | .., from the oldest step on")
+            );
+        }
+        let steps = ok!(formula(&grid, r));
+        if steps.beta[steps.k].hi() == 0.0 {
+            return Err(grid.refuse(r + 1, "the last entry of beta is 0: a member must be implicit"));
+        }
+        if reads(&steps) != q {
+            let text =
+                Text::new().str("the member of order ").number(q).str(" must read as many old y and f, not ");
+            return Err(shape(grid.line(r), text.number(reads(&steps))));
+        }
+        members.steps[q - 1] = steps;
+        q += 1;
+    }
+    Ok(Scheme::Nordsieck(members))
 }
 
 const fn predictor_corrector(file: &File) -> Result<Scheme, TableauError> {

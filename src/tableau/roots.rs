@@ -50,6 +50,16 @@ pub(super) const fn zero_stable(form: &Form, tolerance: f64) -> Result<(), Table
     Err(TableauError::new(Broken::ZeroStability, 0, outer - 1.0, text))
 }
 
+/// All roots of a polynomial of degree n lie in the open unit disc.
+pub(super) const fn all_inside(p: &[D; CARRIED], n: usize) -> bool {
+    let (mut q, mut i) = ([D::ZERO; CARRIED + 1], 0);
+    while i <= n {
+        q[i] = p[i];
+        i += 1;
+    }
+    bounded(q, n, 0, NEAR)
+}
+
 /// zeta^n - sum w_k zeta^(n-1-k), w_k being the weight of y_(n-k) in y_(n+1).
 const fn characteristic(form: &Form) -> (Polynomial, usize) {
     let mut n = 0;

@@ -47,6 +47,10 @@ impl Forms {
                 lower::runge_kutta(t, &beta, false, other);
                 forms.kind = Kind::Rosenbrock;
             }
+            // The member of the highest order stands for its family.
+            Scheme::Nordsieck(members) => {
+                lower::lower_to(&members.of(t, members.count), form);
+            }
             _ => {
                 lower::lower_to(t, form);
                 forms.kind = if form.d == 2 { Kind::Nystrom } else { Kind::Rooted };
@@ -98,6 +102,8 @@ const fn exact(meaning: Meaning, later: i64, n: usize, d: usize) -> D {
         Meaning::Y(k) => (0, k),
         Meaning::F(k) => (d, k),
         Meaning::V => (1, 0),
+        // Carried by families alone, whose members are proven one by one.
+        Meaning::Taylor(_) => return D::ZERO,
     };
     if n < derivative {
         return D::ZERO;

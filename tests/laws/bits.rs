@@ -34,6 +34,12 @@ pub fn check(file: &File, report: &mut Report) {
             bits.rows("gamma", gamma, &read_gamma.a);
         }
         (Scheme::Multistep(steps), Read::Multistep(read)) => bits.steps("", steps, read),
+        (Scheme::Nordsieck(members), Read::Nordsieck(read)) => {
+            bits.shape("members", members.len(), read.count);
+            for (q, (steps, read)) in members.iter().zip(&read.steps).enumerate() {
+                bits.steps(&format!("member {}, ", q + 1), steps, read);
+            }
+        }
         (Scheme::Stormer(steps), Read::Stormer(read)) => bits.steps("", steps, read),
         (
             Scheme::PredictorCorrector { predictor: p, corrector: c, evaluates: e },

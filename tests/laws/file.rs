@@ -32,6 +32,8 @@ pub enum Scheme {
         converted: bool,
     },
     Multistep(Steps),
+    /// Formulas of order 1, 2, ..
+    Nordsieck(Vec<Steps>),
     Stormer(Steps),
     PredictorCorrector {
         predictor: Steps,
@@ -206,6 +208,13 @@ impl<'a> Keys<'a> {
             self.transformed()
         } else if self.has("multistep") {
             Scheme::Multistep(self.steps("multistep"))
+        } else if self.has("nordsieck") {
+            let [rows, _] = self.grid("nordsieck");
+            let member = |rows: &[Line]| match rows {
+                [("alpha", alpha), ("beta", beta)] => Steps { alpha: alpha.clone(), beta: beta.clone() },
+                _ => panic!("{}: members have the rows alpha and beta", self.path),
+            };
+            Scheme::Nordsieck(rows.chunks(2).map(member).collect())
         } else if self.has("stormer") {
             Scheme::Stormer(self.steps("stormer"))
         } else if self.has("predictor") {

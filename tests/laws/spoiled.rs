@@ -208,6 +208,25 @@ fn wrong_second_order_methods_are_found() {
 }
 
 #[test]
+fn a_wrong_member_is_found() {
+    let family = "
+        order = 2
+        nordsieck = '''
+        alpha | -1 1
+        beta  | 0 1
+        alpha | 1/2 -2 3/2
+        beta  | 0 0 2/2
+        '''";
+    spoil(
+        family,
+        &[
+            ("2/2", "1/2", "the condition of the polynomial t^1 is off by 5.0e-1"),
+            ("order = 2", "order = 3", "2 members, but order 3"),
+        ],
+    );
+}
+
+#[test]
 fn a_wrong_predictor_is_found() {
     let heun = "
         order = 2

@@ -13,11 +13,20 @@ use super::trees::{Tree, rooted};
 pub fn check(file: &File, report: &mut Report) {
     match &file.scheme {
         Scheme::Multistep(steps) => {
-            classical(steps, 1, file, report);
+            classical(steps, 1, file.order, report);
             roots(steps, 1, report);
         }
+        Scheme::Nordsieck(members) => {
+            if members.len() != file.order {
+                report.say(format!("{} members, but order {}", members.len(), file.order));
+            }
+            for (q, steps) in members.iter().enumerate() {
+                classical(steps, 1, q + 1, report);
+                roots(steps, 1, report);
+            }
+        }
         Scheme::Stormer(steps) => {
-            classical(steps, 2, file, report);
+            classical(steps, 2, file.order, report);
             roots(steps, 2, report);
         }
         Scheme::PredictorCorrector { predictor, corrector, evaluates } => {
@@ -30,7 +39,7 @@ pub fn check(file: &File, report: &mut Report) {
 
 /// sum alpha_j j^q = q sum beta_j j^(q-1) for y', q (q-1) sum beta_j j^(q-2) for y'', to q = order + d - 1;
 /// divided by q! they are the coefficients of h^q.
-fn classical(steps: &Steps, d: usize, file: &File, report: &mut Report) {
+fn classical(steps: &Steps, d: usize, order: usize, report: &mut Report) {
     let moment = |row: &Row, q: usize| -> Rational {
         row.iter().zip(0..).map(|(x, j)| x * integer(j).pow(q as i32)).sum()
     };
@@ -40,11 +49,11 @@ fn classical(steps: &Steps, d: usize, file: &File, report: &mut Report) {
         let forces = if q < d { integer(0) } else { moment(&steps.beta, q - d) * integer(falling) };
         ((moment(&steps.alpha, q) - forces) / integer((1..=q as i64).product())).size()
     };
-    let highest = file.order + d - 1;
+    let highest = order + d - 1;
     for q in 0..=highest {
         report.expect(residual(q), || format!("the condition of the polynomial t^{q}"));
     }
-    report.expect_sharp("the step", file.order, residual(highest + 1));
+    report.expect_sharp("the step", order, residual(highest + 1));
 }
 
 /// One step from exact values: y_(n+j) and f_(n+j) lie at theta = j - (k - 1), the new point at theta = 1.

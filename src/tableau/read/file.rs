@@ -59,6 +59,7 @@ keys! {
     C "c" Grid;
     Multistep "multistep" Grid;
     Stormer "stormer" Grid;
+    Nordsieck "nordsieck" Grid;
     Predictor "predictor" Grid;
     Corrector "corrector" Grid;
     Nystrom "nystrom" Grid;
