@@ -5,7 +5,7 @@ mod jacobian;
 mod lu;
 mod pair;
 
-pub(crate) use eigen::Eigen;
+pub(crate) use eigen::{Eigen, roots};
 pub use jacobian::Jacobian;
 pub(crate) use jacobian::{Effort, by_differences, time_derivative};
 pub(crate) use lu::{factor, solve};

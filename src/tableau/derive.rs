@@ -173,8 +173,7 @@ impl Tableau<'_> {
             Scheme::Multistep(_) | Scheme::Stormer(_) | Scheme::PredictorCorrector { .. }
         );
         let first = &forms.form[0];
-        // Decimals are as good as their digits, exact entries as the arithmetic.
-        let tolerance = if self.digits == 0 { 1e-28 } else { 10f64.powi(-(self.digits as i32)).max(1e-28) };
+        let tolerance = self.tolerance();
         let loose = (10.0 * tolerance).max(1e-20);
         let embedded: Vec<usize> = self.embedded.iter().copied().take_while(|&order| order > 0).collect();
         let velocity = first.means[..first.r].contains(&Meaning::V);

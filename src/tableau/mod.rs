@@ -11,6 +11,7 @@ mod lower;
 mod number;
 mod prove;
 mod read;
+mod region;
 mod roots;
 mod series;
 mod stability;
@@ -24,6 +25,7 @@ pub use form::{CARRIED, Form, Meaning, POWERS, Row, STAGES, TERMS};
 pub(crate) use prove::tolerance;
 pub(crate) use read::stencil;
 pub use read::{entries, value};
+pub use region::Stability;
 
 use double_double::DoubleDouble as D;
 

@@ -195,7 +195,7 @@ impl Characteristic {
     }
 
     /// The polynomial in w.
-    fn at(&self, z: Complex) -> Vec<Complex> {
+    pub fn at(&self, z: Complex) -> Vec<Complex> {
         let (q, mut power) = (horner(&self.q, z), Complex::ONE);
         let mut coefficient = |c: &Vec<D>| {
             let x = horner(c, z) * power;
@@ -238,6 +238,12 @@ impl Characteristic {
         self.reach(|y| Complex(D::ZERO, D::of(y)), least, near)
     }
 
+    /// How far the ray that makes this angle with the negative real axis is stable.
+    pub fn along(&self, degrees: f64, near: f64) -> f64 {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        self.reach(|x| Complex(D::of(-x * cos), D::of(x * sin)), 1e-4, near)
+    }
+
     /// The largest h omega up to which y'' = -omega^2 y is stable.
     pub fn oscillation(&self, near: f64) -> f64 {
         self.reach(|y| Complex(-(D::of(y) * D::of(y)), D::ZERO), 1.0 / 32.0, near)
@@ -275,10 +281,7 @@ impl Characteristic {
         if self.imaginary(near) == f64::INFINITY {
             return 90.0;
         }
-        let stable = |degrees: f64| {
-            let (sin, cos) = degrees.to_radians().sin_cos();
-            self.reach(|x| Complex(D::of(-x * cos), D::of(x * sin)), 1e-4, near) == f64::INFINITY
-        };
+        let stable = |degrees: f64| self.along(degrees, near) == f64::INFINITY;
         let (mut good, mut bad) = (0.0, 90.0);
         while bad - good > 1e-4 {
             let middle = 0.5 * (good + bad);
