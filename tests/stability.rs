@@ -171,7 +171,8 @@ fn springs_start_to_swing_up_where_predicted() {
                 continue;
             }
             // With drag a quarter must hold some swings.
-            let steps = steps(*history, 20.0 * limit).max(if c == 0.0 { 0 } else { 1000 });
+            let least = if c == 0.0 { 0 } else { 1000 + 2000 * *history as usize };
+            let steps = steps(*history, 20.0 * limit).max(least);
             let h = observed(limit, |h| unstable(method, c, h, steps, slack(stability)));
             assert!((h / limit - 1.0).abs() < 0.01, "{}, drag {c}: {h}, not {limit}", method.name());
             count += 1;

@@ -1,9 +1,10 @@
 //! `kutta compare`: speed against error on the catalogue's problems, as a table, plots and JSON.
 
 mod contest;
-mod files;
+pub mod files;
 mod table;
 
+use super::pen::Picture;
 use super::{Failure, Source, plot, positive, print, print_json, problem};
 use contest::{Contest, Contestant};
 use files::Folder;

@@ -7,10 +7,12 @@ mod grid;
 mod image;
 mod light;
 mod list;
+mod pen;
 mod plot;
 mod relief;
 mod show;
 mod solve;
+mod stability;
 mod stencils;
 mod whole;
 mod words;
@@ -40,6 +42,7 @@ enum Command {
     Show(show::Args),
     /// Prove a method or stencil file as the compiler would
     Check(check::Args),
+    Stability(stability::Args),
     Stencils(stencils::Args),
     /// Solve a problem of the catalogue
     Solve(solve::Args),
@@ -63,6 +66,7 @@ pub fn main() -> ExitCode {
             Command::List(args) => list::run(args),
             Command::Show(args) => show::run(args),
             Command::Check(args) => check::run(args),
+            Command::Stability(args) => stability::run(args),
             Command::Stencils(args) => stencils::run(args),
             Command::Solve(args) => solve::run(args),
             Command::Compare(args) => compare::run(args),

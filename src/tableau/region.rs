@@ -71,6 +71,12 @@ impl Stability {
         }
     }
 
+    /// Whether the region holds z: no root of the characteristic polynomial lies outside the unit disc, and
+    /// those on its border are simple.
+    pub fn stable(&self, z: Complex<f64>) -> bool {
+        self.characteristic.stable(Exact(D::of(z.re), D::of(z.im)), self.tolerance)
+    }
+
     /// How far the stable stretch of the ray from 0 reaches that makes this angle with the negative real axis:
     /// 0 where none is, infinite where all is stable. Of a method for y'' = -omega^2 y: the largest h omega,
     /// whatever the angle.

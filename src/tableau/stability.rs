@@ -205,10 +205,14 @@ impl Characteristic {
         self.c.iter().map(&mut coefficient).collect()
     }
 
+    pub fn stable(&self, z: Complex, near: f64) -> bool {
+        inside(self.at(z), true, near)
+    }
+
     /// How far the stable stretch of a ray from 0 reaches; 0 where it is unstable from `least` on.
     fn reach(&self, ray: impl Fn(f64) -> Complex, least: f64, near: f64) -> f64 {
         const FARTHEST: f64 = 1e6;
-        let stable = |x: f64| inside(self.at(ray(x)), true, near);
+        let stable = |x: f64| self.stable(ray(x), near);
         let (mut good, mut bad) = (0.0, least);
         while stable(bad) {
             if bad > FARTHEST {
