@@ -21,6 +21,7 @@
 
 mod analyse;
 mod entrant;
+pub mod hard;
 mod measure;
 mod truth;
 
