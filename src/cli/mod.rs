@@ -4,6 +4,7 @@ mod bake;
 mod check;
 mod compare;
 mod grid;
+mod hard;
 mod image;
 mod light;
 mod list;
@@ -47,6 +48,7 @@ enum Command {
     /// Solve a problem of the catalogue
     Solve(solve::Args),
     Compare(compare::Args),
+    Hard(hard::Args),
     Bake(bake::Args),
     Light(light::Args),
 }
@@ -70,6 +72,7 @@ pub fn main() -> ExitCode {
             Command::Stencils(args) => stencils::run(args),
             Command::Solve(args) => solve::run(args),
             Command::Compare(args) => compare::run(args),
+            Command::Hard(args) => hard::run(args),
             Command::Bake(args) => bake::run(args),
             Command::Light(args) => light::run(args),
         },
