@@ -15,6 +15,7 @@ mod region;
 mod roots;
 mod series;
 mod stability;
+mod stiff;
 mod sums;
 mod trees;
 
@@ -26,6 +27,7 @@ pub(crate) use prove::tolerance;
 pub(crate) use read::stencil;
 pub use read::{entries, value};
 pub use region::Stability;
+pub use stiff::StiffOrder;
 
 use double_double::DoubleDouble as D;
 

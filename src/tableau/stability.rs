@@ -270,6 +270,12 @@ impl Characteristic {
         inside(p.into_iter().map(|x| Complex(x, D::ZERO)).collect(), false, 1e-20)
     }
 
+    /// R far out on the negative real axis, where it is real. For one-step methods.
+    pub fn far(&self) -> f64 {
+        let p = self.at(Complex(D::of(-1e15), D::ZERO));
+        -p[0].over(p[1]).0.hi()
+    }
+
     /// |R| at infinity, to 13 digits or so. For one-step methods.
     pub fn at_infinity(&self) -> f64 {
         let p = self.at(Complex(D::of(-1e15), D::ZERO));
