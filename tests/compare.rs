@@ -203,6 +203,8 @@ fn row(method: &str, error: f64, seconds: f64, evaluations: u64) -> Row {
         seconds_min: Some(seconds),
         seconds_median: Some(2.0 * seconds),
         evaluations,
+        jacobians: 0,
+        factorizations: 0,
         accepted: 1,
         rejected: 0,
         failure: None,
@@ -281,7 +283,7 @@ mod command {
         std::str::from_utf8(bytes).unwrap()
     }
 
-    const KEYS: [&str; 11] = [
+    const KEYS: [&str; 13] = [
         "problem",
         "method",
         "tolerance",
@@ -290,6 +292,8 @@ mod command {
         "seconds_min",
         "seconds_median",
         "evaluations",
+        "jacobians",
+        "factorizations",
         "accepted",
         "rejected",
         "failure",

@@ -179,7 +179,7 @@ fn closed_forms_satisfy_their_equations() {
     visit_all(&mut forms);
     let expected =
         "exponential-decay harmonic-oscillator kepler-e06 nbody-ring spring-chain prothero-robinson
-        curtiss-hirschfelder stiff-spring-overdamped stiff-spring-underdamped heat-n100 heat1d heat2d";
+        curtiss-hirschfelder stiff-spring-overdamped stiff-spring-underdamped stiff-oscillator non-normal jump heat-n100 heat1d heat2d";
     assert_eq!(forms.0, expected.split_whitespace().collect::<Vec<_>>());
     // The smallest sizes, whose points have no neighbours, or one.
     forms.visit(NBodyRing::new(2));
@@ -188,7 +188,7 @@ fn closed_forms_satisfy_their_equations() {
         forms.visit(Heat1d::new(n));
         forms.visit(Heat2d::new(n));
     }
-    assert_eq!(forms.0.len(), 12 + 10);
+    assert_eq!(forms.0.len(), 15 + 10);
 }
 
 #[test]

@@ -1,9 +1,10 @@
 //! `kutta compare`: speed against error on the catalogue's problems, as a table, plots and JSON.
 
 mod contest;
-mod files;
+pub mod files;
 mod table;
 
+use super::pen::Picture;
 use super::{Failure, Source, plot, positive, print, print_json, problem};
 use contest::{Contest, Contestant};
 use files::Folder;
@@ -117,6 +118,8 @@ struct Line<'r> {
     seconds_min: Option<f64>,
     seconds_median: Option<f64>,
     evaluations: u64,
+    jacobians: u64,
+    factorizations: u64,
     accepted: u64,
     rejected: u64,
     failure: Option<&'r str>,
@@ -133,6 +136,8 @@ impl<'r> Line<'r> {
             seconds_min: row.seconds_min,
             seconds_median: row.seconds_median,
             evaluations: row.evaluations,
+            jacobians: row.jacobians,
+            factorizations: row.factorizations,
             accepted: row.accepted,
             rejected: row.rejected,
             failure: row.failure.as_deref(),

@@ -4,13 +4,16 @@ mod bake;
 mod check;
 mod compare;
 mod grid;
+mod hard;
 mod image;
 mod light;
 mod list;
+mod pen;
 mod plot;
 mod relief;
 mod show;
 mod solve;
+mod stability;
 mod stencils;
 mod whole;
 mod words;
@@ -40,10 +43,12 @@ enum Command {
     Show(show::Args),
     /// Prove a method or stencil file as the compiler would
     Check(check::Args),
+    Stability(stability::Args),
     Stencils(stencils::Args),
     /// Solve a problem of the catalogue
     Solve(solve::Args),
     Compare(compare::Args),
+    Hard(hard::Args),
     Bake(bake::Args),
     Light(light::Args),
 }
@@ -63,9 +68,11 @@ pub fn main() -> ExitCode {
             Command::List(args) => list::run(args),
             Command::Show(args) => show::run(args),
             Command::Check(args) => check::run(args),
+            Command::Stability(args) => stability::run(args),
             Command::Stencils(args) => stencils::run(args),
             Command::Solve(args) => solve::run(args),
             Command::Compare(args) => compare::run(args),
+            Command::Hard(args) => hard::run(args),
             Command::Bake(args) => bake::run(args),
             Command::Light(args) => light::run(args),
         },

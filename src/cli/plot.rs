@@ -1,11 +1,9 @@
 //! The work-precision plot of a problem: seconds against error, both in logarithms, a curve for each method.
 
+use super::pen::{Drawn, FONT, GRID, INK, Pen, Picture};
 use kutta::compare::Row;
-use plotters::coord::Shift;
 use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{FontTransform, register_font};
-use std::path::Path;
+use plotters::style::text_anchor::{HPos, VPos};
 
 /// The picture in units that a scale turns into pixels, and the frame of the axes in it.
 const SIZE: (f64, f64) = (960.0, 660.0);
@@ -13,15 +11,8 @@ const LEFT: f64 = 86.0;
 const RIGHT: f64 = 784.0;
 const TOP: f64 = 48.0;
 const BOTTOM: f64 = 598.0;
-/// The size of names and numbers, and the distance between lines of them.
-const FONT: f64 = 14.0;
+/// The distance between lines of text.
 const LINE: f64 = 17.0;
-/// Pixels a unit in the PNG: two each way, for sharp screens, each the mean of two by two drawn ones, which
-/// makes lines smooth.
-const SHARP: usize = 2;
-const SMOOTH: usize = 2;
-const INK: RGBColor = RGBColor(0x33, 0x33, 0x33);
-const GRID: RGBColor = RGBColor(0xdd, 0xdd, 0xdd);
 const COLOURS: [RGBColor; 14] = [
     RGBColor(0x9c, 0x75, 0x5f),
     RGBColor(0x1f, 0x77, 0xb4),
@@ -57,11 +48,18 @@ pub struct Plot {
     y: (f64, f64),
 }
 
-type Area<DB> = DrawingArea<DB, Shift>;
-type Drawn = Result<(), String>;
+impl Picture for Plot {
+    fn size(&self) -> (f64, f64) {
+        SIZE
+    }
 
-fn text_of(error: impl std::fmt::Display) -> String {
-    error.to_string()
+    fn draw<DB: DrawingBackend>(&self, pen: &Pen<DB>) -> Drawn {
+        self.axes(pen)?;
+        for curve in &self.curves {
+            curve.draw(pen, |point| self.at(point))?;
+        }
+        self.labels(pen)
+    }
 }
 
 impl Plot {
@@ -98,57 +96,9 @@ impl Plot {
         plot
     }
 
-    pub fn svg(&self, path: &Path) -> Drawn {
-        // plotters rounds to whole pixels: it draws on many, and the picture is shown smaller.
-        let fine = (SHARP * SMOOTH) as f64;
-        let (w, h) = ((fine * SIZE.0) as u32, (fine * SIZE.1) as u32);
-        let mut text = String::new();
-        let area = SVGBackend::with_string(&mut text, (w, h)).into_drawing_area();
-        self.draw(&Pen { area: &area, scale: fine, sink: 0.0 })?;
-        drop(area);
-        let shown = format!("width=\"{}\" height=\"{}\"", SIZE.0, SIZE.1);
-        let text = text.replacen(&format!("width=\"{w}\" height=\"{h}\""), &shown, 1);
-        std::fs::write(path, text).map_err(text_of)
-    }
-
-    pub fn png(&self, path: &Path) -> Drawn {
-        let (w, h) = (SIZE.0 as usize * SHARP, SIZE.1 as usize * SHARP);
-        let fine = (w * SMOOTH, h * SMOOTH);
-        let mut drawn = vec![0; 3 * fine.0 * fine.1];
-        let area = BitMapBackend::with_buffer(&mut drawn, (fine.0 as u32, fine.1 as u32)).into_drawing_area();
-        self.draw(&Pen { area: &area, scale: (SHARP * SMOOTH) as f64, sink: 0.17 })?;
-        drop(area);
-        let mean = |i: usize| {
-            let (row, column, channel) = (i / (3 * w), i / 3 % w, i % 3);
-            let at = |y: usize, x: usize| 3 * ((SMOOTH * row + y) * fine.0 + SMOOTH * column + x) + channel;
-            let block = (0..SMOOTH).flat_map(|y| (0..SMOOTH).map(move |x| (y, x)));
-            let sum: u32 = block.map(|(y, x)| u32::from(drawn[at(y, x)])).sum();
-            (sum / (SMOOTH * SMOOTH) as u32) as u8
-        };
-        let pixels: Vec<u8> = (0..3 * w * h).map(mean).collect();
-        let size = (w as u32, h as u32);
-        let picture = BitMapElement::with_owned_buffer((0, 0), size, pixels).ok_or("a picture of no size")?;
-        let area = BitMapBackend::new(path, size).into_drawing_area();
-        area.draw(&picture).map_err(text_of)?;
-        area.present().map_err(text_of)
-    }
-
     fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
         let part = |(from, to): (f64, f64), x: f64| (x - from) / (to - from);
         (LEFT + part(self.x, x) * (RIGHT - LEFT), BOTTOM - part(self.y, y) * (BOTTOM - TOP))
-    }
-
-    fn draw<DB: DrawingBackend>(&self, pen: &Pen<DB>) -> Drawn {
-        // Text must be measured wherever a picture is made; this font is compiled in.
-        register_font("sans-serif", FontStyle::Normal, dejavu::sans::regular())
-            .map_err(|_| "the compiled-in font cannot be read".to_string())?;
-        pen.area.fill(&WHITE).map_err(text_of)?;
-        self.axes(pen)?;
-        for curve in &self.curves {
-            curve.draw(pen, |point| self.at(point))?;
-        }
-        self.labels(pen)?;
-        pen.area.present().map_err(text_of)
     }
 
     fn axes<DB: DrawingBackend>(&self, pen: &Pen<DB>) -> Drawn {
@@ -301,61 +251,5 @@ impl Curve {
             pen.marker(self.marker, at(point), 2.5, self.colour.mix(0.4))?;
         }
         Ok(())
-    }
-}
-
-/// Draws in units.
-struct Pen<'a, DB: DrawingBackend> {
-    area: &'a Area<DB>,
-    scale: f64,
-    /// How far, in font sizes, text must be moved down to stand in the middle of its line.
-    sink: f64,
-}
-
-impl<DB: DrawingBackend> Pen<'_, DB> {
-    fn pixel(&self, (x, y): (f64, f64)) -> (i32, i32) {
-        ((self.scale * x).round() as i32, (self.scale * y).round() as i32)
-    }
-
-    fn line(&self, points: &[(f64, f64)], colour: impl Color, width: f64) -> Drawn {
-        let points: Vec<(i32, i32)> = points.iter().map(|&point| self.pixel(point)).collect();
-        let style = ShapeStyle::from(&colour).stroke_width((self.scale * width).round() as u32);
-        self.area.draw(&PathElement::new(points, style)).map_err(text_of)
-    }
-
-    /// One of six shapes of about the same size round a point.
-    fn marker(&self, kind: usize, (x, y): (f64, f64), size: f64, colour: RGBAColor) -> Drawn {
-        let corners = |turn: f64, n: usize, r: f64| -> Vec<(i32, i32)> {
-            let angle = |i: usize| std::f64::consts::TAU * (turn + i as f64 / n as f64);
-            (0..n).map(|i| self.pixel((x + r * angle(i).sin(), y - r * angle(i).cos()))).collect()
-        };
-        let shape = match kind % 6 {
-            0 => {
-                let r = (self.scale * size).round() as i32;
-                return self.area.draw(&Circle::new(self.pixel((x, y)), r, colour.filled())).map_err(text_of);
-            }
-            1 => corners(0.125, 4, 1.25 * size),
-            2 => corners(0.0, 3, 1.4 * size),
-            3 => corners(0.0, 4, 1.4 * size),
-            4 => corners(0.5, 3, 1.4 * size),
-            _ => corners(0.0, 5, 1.25 * size),
-        };
-        self.area.draw(&Polygon::new(shape, colour.filled())).map_err(text_of)
-    }
-
-    fn text(&self, text: &str, at: (f64, f64), size: f64, colour: RGBColor, (h, v): (HPos, VPos)) -> Drawn {
-        let font = ("sans-serif", self.scale * size).into_font();
-        let down = if matches!(v, VPos::Center) { self.sink * size } else { 0.0 };
-        self.write(text, (at.0, at.1 + down), font.color(&colour).pos(Pos::new(h, v)))
-    }
-
-    /// Text that reads from the bottom to the top.
-    fn upright(&self, text: &str, at: (f64, f64), size: f64, colour: RGBColor) -> Drawn {
-        let font = ("sans-serif", self.scale * size).into_font().transform(FontTransform::Rotate270);
-        self.write(text, at, font.color(&colour).pos(Pos::new(HPos::Center, VPos::Top)))
-    }
-
-    fn write(&self, text: &str, at: (f64, f64), style: TextStyle) -> Drawn {
-        self.area.draw(&Text::new(text.to_string(), self.pixel(at), style)).map_err(text_of)
     }
 }

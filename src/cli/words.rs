@@ -19,6 +19,14 @@ pub fn words(p: &Properties) -> String {
     if let Some(q) = p.stage_order {
         line("stage order", q.to_string());
     }
+    if let Some(stiff) = p.stiff_order {
+        let over = match stiff.damping {
+            0 => String::new(),
+            1 => " / |lambda|".to_string(),
+            m => format!(" / |lambda|^{m}"),
+        };
+        line("stiff problems", format!("the error goes like h^{}{over} (Prothero, Robinson)", stiff.order));
+    }
     line("local error", local_error(p));
     for m in &p.members {
         line(&format!("of order {}", m.order), member(m));
@@ -195,6 +203,7 @@ pub fn json(p: &Properties) -> Map<String, Value> {
         "fsal": p.fsal,
         "stiffly_accurate": p.stiffly_accurate,
         "stage_order": p.stage_order,
+        "stiff_order": p.stiff_order.map(|stiff| json!({ "order": stiff.order, "damping": stiff.damping })),
         "principal_error": p.principal_error,
         "embedded_errors": p.embedded_errors,
         "error_constant": p.error_constant,

@@ -8,6 +8,8 @@ pub struct Cost<'r> {
     pub method: &'r str,
     pub seconds: f64,
     pub evaluations: f64,
+    /// Matrices factored.
+    pub factorizations: f64,
 }
 
 /// What `method` needs on `problem` for an `error` at the end; `None` where no run got there.
@@ -29,14 +31,20 @@ pub fn cost_at<'r>(rows: &'r [Row], problem: &str, method: &str, error: f64) -> 
             continue;
         }
         let (method, evaluations) = (row.method.as_str(), row.evaluations as f64);
+        let factorizations = row.factorizations as f64;
         if e <= error {
             let Some((e0, seconds0, row0)) = before else {
-                return Some(Cost { method, seconds, evaluations });
+                return Some(Cost { method, seconds, evaluations, factorizations });
             };
             let part = (e0 / error).ln() / (e0 / e).ln();
             let between = |a: f64, b: f64| a * (b / a).powf(part);
             let evaluations = between(row0.evaluations as f64, evaluations);
-            return Some(Cost { method, seconds: between(seconds0, seconds), evaluations });
+            // An explicit method factors nothing.
+            let factorizations = match row0.factorizations {
+                0 => factorizations,
+                before => between(before as f64, factorizations),
+            };
+            return Some(Cost { method, seconds: between(seconds0, seconds), evaluations, factorizations });
         }
         before = Some((e, seconds, row));
     }

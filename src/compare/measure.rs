@@ -91,6 +91,8 @@ fn sweep<'e>(problem: &str, entrant: &'e dyn Entrant, plan: &Plan, truth: &Truth
             seconds_min: None,
             seconds_median: None,
             evaluations: 0,
+            jacobians: 0,
+            factorizations: 0,
             accepted: 0,
             rejected: 0,
             failure: None,
@@ -101,6 +103,8 @@ fn sweep<'e>(problem: &str, entrant: &'e dyn Entrant, plan: &Plan, truth: &Truth
         } else {
             let trial = entrant.attempt(setting, plan.scale, &truth.times, plan.longest);
             row.evaluations = trial.stats.evaluations;
+            row.jacobians = trial.stats.jacobians;
+            row.factorizations = trial.stats.factorizations;
             row.accepted = trial.stats.accepted;
             row.rejected = trial.stats.rejected.total();
             match trial.states {

@@ -21,6 +21,7 @@
 
 mod analyse;
 mod entrant;
+pub mod hard;
 mod measure;
 mod truth;
 
@@ -52,6 +53,9 @@ pub struct Row {
     pub seconds_median: Option<f64>,
     /// Evaluations of the right-hand side; up to the failure if there is one, like all counts.
     pub evaluations: u64,
+    /// Jacobians taken and matrices factored, by methods with implicit stages.
+    pub jacobians: u64,
+    pub factorizations: u64,
     pub accepted: u64,
     pub rejected: u64,
     /// Why there is no error and no time. A run that ends, however wrong, is not a failure.

@@ -87,11 +87,11 @@ fn characteristic(a: &[Vec<f64>]) -> Vec<f64> {
     c
 }
 
-/// All roots at once (Aberth 1973, Math. Comp. 27, 339).
-fn roots(c: &[f64]) -> Vec<C> {
+/// All roots at once, of a polynomial whose leading coefficient is 1 (Aberth 1973, Math. Comp. 27, 339).
+pub(crate) fn roots<T: Copy + Into<C>>(c: &[T]) -> Vec<C> {
     let s = c.len() - 1;
-    let horner = |x: C| c.iter().rev().fold((C::ZERO, C::ZERO), |(p, d), &a| (p * x + a, d * x + p));
-    let radius = 1.0 + c[..s].iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    let horner = |x: C| c.iter().rev().fold((C::ZERO, C::ZERO), |(p, d), &a| (p * x + a.into(), d * x + p));
+    let radius = 1.0 + c[..s].iter().fold(0.0f64, |m, &x| m.max(x.into().norm()));
     let start = |i: usize| C::from_polar(0.5 * radius, 0.4 + std::f64::consts::TAU * i as f64 / s as f64);
     let mut x: Vec<C> = (0..s).map(start).collect();
     for _ in 0..200 {

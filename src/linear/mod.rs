@@ -12,7 +12,7 @@ mod pair;
 mod pattern;
 
 pub(crate) use detect::detect;
-pub(crate) use eigen::Eigen;
+pub(crate) use eigen::{Eigen, roots};
 pub(crate) use jacobian::{Effort, Groups, by_differences, time_derivative};
 pub use jacobian::{Jacobian, Layout};
 pub use large::Large;

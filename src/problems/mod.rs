@@ -8,6 +8,7 @@ mod brusselator;
 mod chemistry;
 mod cycles;
 mod heat;
+mod linear;
 mod orbits;
 mod pollution;
 mod relaxation;
@@ -18,6 +19,7 @@ pub use brusselator::{Brusselator1dN40, Brusselator2d};
 pub use chemistry::{E5Until1e11, E5Until1e13, Hires, Orego, RobertsonUntil1e11, RobertsonUntil40};
 pub use cycles::{Lorenz63, LotkaVolterra, RigidBody, VdpEps1e6, VdpMu1, VdpMu1000};
 pub use heat::{Heat1d, Heat2d, HeatN100};
+pub use linear::{Jump, NonNormal, StiffOscillator};
 pub use orbits::{Arenstorf4Loop, KeplerE06};
 pub use pollution::Pollution;
 pub use relaxation::{CurtissHirschfelder, ExponentialDecay, ProtheroRobinson};
@@ -88,6 +90,11 @@ pub trait Problem: Clone + Send + Sync + 'static {
         1.0
     }
 
+    /// Times at which f jumps.
+    fn breaks(&self) -> &'static [f64] {
+        &[]
+    }
+
     /// y(t) where there is a closed form, for t from t0 on.
     fn exact(&self, _t: f64) -> Option<Self::Y> {
         None
@@ -152,6 +159,9 @@ pub fn visit_all(v: &mut impl Visit) {
     v.visit(CurtissHirschfelder);
     v.visit(StiffSpringOverdamped);
     v.visit(StiffSpringUnderdamped);
+    v.visit(StiffOscillator);
+    v.visit(NonNormal);
+    v.visit(Jump);
     v.visit(RobertsonUntil40);
     v.visit(RobertsonUntil1e11);
     v.visit(Hires);

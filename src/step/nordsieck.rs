@@ -1,7 +1,7 @@
 //! A step of a family of multistep formulas in Nordsieck form.
 //!
 //! z = (y, h y', h^2 y''/2, ..) is moved on by Pascal's triangle and corrected by e l, where e solves
-//! `h f(t, z_0 + l_0 e) = z_1 + e` (Gear 1971, ch. 9; Brown, Byrne, Hindmarsh 1989, SIAM J. Sci. Stat. Comput. 10).
+//! `h f(t, z_0 + l_0 e) = M (z_1 + e)` (Gear 1971, ch. 9; Brown, Byrne, Hindmarsh 1989, SIAM J. Sci. Stat. Comput. 10).
 
 use super::implicit::{Solver, finite};
 use super::iteration::Corrections;
@@ -158,9 +158,14 @@ impl<Y: State> Solver<Y> {
         let (z, rest) = x.split_at_mut(form.r);
         let e = &mut rest[0];
         if family.start != Start::Done {
-            if family.start == Start::Anew {
+            // With a mass matrix f is no slope: that of the last step has to do.
+            let kept = family.start == Start::Anew && self.mass.is_some();
+            if family.start == Start::Anew && !kept {
                 self.slope(system, t, &z[0])?;
                 e.as_mut_slice().copy_from_slice(self.slope.as_slice());
+            } else if kept {
+                let per = RealOf::<Y>::one() / family.h;
+                e.as_mut_slice().iter_mut().zip(z[1].as_slice()).for_each(|(e, z)| *e = z.scale(per));
             }
             family.set_order(1, z);
             for (z, &slope) in z[1].as_mut_slice().iter_mut().zip(e.as_slice()) {
@@ -213,7 +218,7 @@ impl<Y: State> Solver<Y> {
         Ok(())
     }
 
-    /// Factors of I - h l_0 J that serve this step. The residual holds f at `y`, the prediction, and does so
+    /// Factors of M - h l_0 J that serve this step. The residual holds f at `y`, the prediction, and does so
     /// afterwards.
     #[allow(clippy::too_many_arguments)] // a step, and the memory of the run beside its solver
     fn matrix<S: System<Y>>(
@@ -245,7 +250,7 @@ impl<Y: State> Solver<Y> {
         Ok(())
     }
 
-    /// Finds e with h f(t, y_0 + l_0 e) = z_1 + e: by Newton's iteration where the family is damped, else by the
+    /// Finds e with h f(t, y_0 + l_0 e) = M (z_1 + e): by Newton's iteration where the family is damped, else by the
     /// equation itself. The residual holds f at the prediction.
     #[allow(clippy::too_many_arguments)] // a step, and the memory of the run beside its solver
     fn iterate_on<S: System<Y>>(
@@ -272,9 +277,17 @@ impl<Y: State> Solver<Y> {
         family.corrections.begin();
         loop {
             self.effort.iterations += 1;
-            let z1 = slope.as_slice();
-            for ((r, &z1), &e) in self.residual.as_mut_slice().iter_mut().zip(z1).zip(e.as_slice()) {
-                *r = r.scale(h) - (z1 + e);
+            let scaled =
+                self.residual.as_mut_slice().iter_mut().zip(slope.as_slice().iter().zip(e.as_slice()));
+            match &self.mass {
+                None => scaled.for_each(|(r, (&z1, &e))| *r = r.scale(h) - (z1 + e)),
+                Some(mass) => {
+                    let slope = self.time.as_mut_slice();
+                    for ((r, (&z1, &e)), slope) in scaled.zip(slope) {
+                        (*r, *slope) = (r.scale(h), z1 + e);
+                    }
+                    mass.add_product(self.residual.as_mut_slice(), -RealOf::<Y>::one(), self.time.as_slice());
+                }
             }
             if form.damped {
                 self.factors[0].matrix.solve(self.residual.as_mut_slice());
@@ -302,6 +315,7 @@ impl<Y: State> Solver<Y> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linear::Known;
     use crate::methods::{Adams, Bdf};
     use crate::step::method::Method;
     use crate::step::norm::Tolerance;
@@ -323,7 +337,7 @@ mod tests {
         let mut system = |t: D, y: &[D; 1], dy: &mut [D; 1]| dy[0] = f(t, y[0]);
         // Every first correction is good enough: the equation is linear, and without a pull it has no y.
         let tolerance = Tolerance::Scalar { rtol: n(1.0), atol: n(1.0) };
-        let mut solver = Solver::new(form, &[exact(D::ZERO)], &tolerance, true);
+        let mut solver = Solver::new(form, &[exact(D::ZERO)], &Known::new(1, None, None), &tolerance, true);
         let mut words = vec![[D::ZERO; 1]; form.words()];
         let family = solver.nordsieck.as_mut().unwrap();
         (family.order, family.start, family.h, family.top) = (q, Start::Done, h, form.orders);

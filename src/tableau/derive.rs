@@ -9,6 +9,7 @@ use super::prove::prove_to;
 use super::roots::zero_stable;
 use super::series::{Defect, Forms, Solution, defects};
 use super::stability::{Characteristic, Locus};
+use super::stiff::{StiffOrder, stiff_order};
 use super::{Members, Scheme, Tableau};
 
 /// How the stages of a method are found.
@@ -49,6 +50,8 @@ pub struct Properties {
     pub stiffly_accurate: Option<bool>,
     /// Largest q with B(q) and C(q).
     pub stage_order: Option<usize>,
+    /// What is left of the order on a stiff problem, of one-step methods with implicit stages.
+    pub stiff_order: Option<StiffOrder>,
     /// Norm of the leading coefficients of the local error: the root of the sum, over the trees of the first
     /// order that fails, of (weight less 1/gamma)^2 / sigma^2. With y' carried, of y and y' together.
     pub principal_error: f64,
@@ -198,8 +201,7 @@ impl Tableau<'_> {
                 | Scheme::PredictorCorrector { .. }
         );
         let first = &forms.form[0];
-        // Decimals are as good as their digits, exact entries as the arithmetic.
-        let tolerance = if self.digits == 0 { 1e-28 } else { 10f64.powi(-(self.digits as i32)).max(1e-28) };
+        let tolerance = self.tolerance();
         let loose = (10.0 * tolerance).max(1e-20);
         let embedded: Vec<usize> = self.embedded.iter().copied().take_while(|&order| order > 0).collect();
         let velocity = first.means[..first.r].contains(&Meaning::V);
@@ -234,6 +236,7 @@ impl Tableau<'_> {
             fsal: !steps_back && (form.as_ref().is_some_and(fsal) || self.repeats()),
             stiffly_accurate: None,
             stage_order: None,
+            stiff_order: None,
             principal_error: principal,
             embedded_errors: embedded.iter().enumerate().map(embedded_error).collect(),
             embedded,
@@ -261,6 +264,7 @@ impl Tableau<'_> {
                 all.limits(&limits, tolerance);
                 if all.kind != Stages::Explicit {
                     all.implicit(&limits, tolerance);
+                    all.stiff_order = stiff_order(array, None, self.order, limits.far(), loose);
                     all.stiffly_accurate = Some(last_row_is(&array.a, &array.b, array.stages, loose));
                 }
                 all.stage_order = Some(stage_order(array, loose));
@@ -279,7 +283,9 @@ impl Tableau<'_> {
                 all.symplectic = Some(symplectic(position, velocity, loose));
             }
             Scheme::Rosenbrock { alpha, gamma } => {
-                all.implicit(&Characteristic::of(&forms.form[1]), tolerance);
+                let limits = Characteristic::of(&forms.form[1]);
+                all.implicit(&limits, tolerance);
+                all.stiff_order = stiff_order(alpha, Some(gamma), self.order, limits.far(), loose);
                 let (mut beta, n) = (alpha.a, alpha.stages);
                 (0..n).for_each(|i| (0..n).for_each(|j| beta[i][j] += gamma.a[i][j]));
                 let at_end = (sum(&alpha.a[n - 1][..n]) - D::ONE).abs().hi() <= loose;

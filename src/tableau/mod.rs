@@ -14,9 +14,11 @@ mod number;
 mod pairs;
 mod prove;
 mod read;
+mod region;
 mod roots;
 mod series;
 mod stability;
+mod stiff;
 mod sums;
 mod trees;
 
@@ -28,6 +30,8 @@ pub use nordsieck::{Corrector, Members, ORDERS};
 pub(crate) use prove::tolerance;
 pub(crate) use read::stencil;
 pub use read::{entries, value};
+pub use region::Stability;
+pub use stiff::StiffOrder;
 
 use double_double::DoubleDouble as D;
 

@@ -195,7 +195,7 @@ impl Characteristic {
     }
 
     /// The polynomial in w.
-    fn at(&self, z: Complex) -> Vec<Complex> {
+    pub fn at(&self, z: Complex) -> Vec<Complex> {
         let (q, mut power) = (horner(&self.q, z), Complex::ONE);
         let mut coefficient = |c: &Vec<D>| {
             let x = horner(c, z) * power;
@@ -205,10 +205,14 @@ impl Characteristic {
         self.c.iter().map(&mut coefficient).collect()
     }
 
+    pub fn stable(&self, z: Complex, near: f64) -> bool {
+        inside(self.at(z), true, near)
+    }
+
     /// How far the stable stretch of a ray from 0 reaches; 0 where it is unstable from `least` on.
     fn reach(&self, ray: impl Fn(f64) -> Complex, least: f64, near: f64) -> f64 {
         const FARTHEST: f64 = 1e6;
-        let stable = |x: f64| inside(self.at(ray(x)), true, near);
+        let stable = |x: f64| self.stable(ray(x), near);
         let (mut good, mut bad) = (0.0, least);
         while stable(bad) {
             if bad > FARTHEST {
@@ -238,6 +242,12 @@ impl Characteristic {
         self.reach(|y| Complex(D::ZERO, D::of(y)), least, near)
     }
 
+    /// How far the ray that makes this angle with the negative real axis is stable.
+    pub fn along(&self, degrees: f64, near: f64) -> f64 {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        self.reach(|x| Complex(D::of(-x * cos), D::of(x * sin)), 1e-4, near)
+    }
+
     /// The largest h omega up to which y'' = -omega^2 y is stable.
     pub fn oscillation(&self, near: f64) -> f64 {
         self.reach(|y| Complex(-(D::of(y) * D::of(y)), D::ZERO), 1.0 / 32.0, near)
@@ -260,6 +270,12 @@ impl Characteristic {
         inside(p.into_iter().map(|x| Complex(x, D::ZERO)).collect(), false, 1e-20)
     }
 
+    /// R far out on the negative real axis, where it is real. For one-step methods.
+    pub fn far(&self) -> f64 {
+        let p = self.at(Complex(D::of(-1e15), D::ZERO));
+        -p[0].over(p[1]).0.hi()
+    }
+
     /// |R| at infinity, to 13 digits or so. For one-step methods.
     pub fn at_infinity(&self) -> f64 {
         let p = self.at(Complex(D::of(-1e15), D::ZERO));
@@ -275,10 +291,7 @@ impl Characteristic {
         if self.imaginary(near) == f64::INFINITY {
             return 90.0;
         }
-        let stable = |degrees: f64| {
-            let (sin, cos) = degrees.to_radians().sin_cos();
-            self.reach(|x| Complex(D::of(-x * cos), D::of(x * sin)), 1e-4, near) == f64::INFINITY
-        };
+        let stable = |degrees: f64| self.along(degrees, near) == f64::INFINITY;
         let (mut good, mut bad) = (0.0, 90.0);
         while bad - good > 1e-4 {
             let middle = 0.5 * (good + bad);

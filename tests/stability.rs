@@ -1,0 +1,248 @@
+//! Predicted against observed stability: steps that are really taken grow exactly where the stability function
+//! says that they do.
+
+use kutta::tableau::Stability;
+use kutta::{Controller, Jacobian, Loaded, Method, methods, solve, solve_second};
+use std::sync::LazyLock;
+
+type Complex = num_complex::Complex<f64>;
+
+struct Known {
+    method: Loaded,
+    stability: Stability,
+    /// Earlier steps count.
+    history: bool,
+}
+
+/// Every method that steps.
+static ALL: LazyLock<Vec<Known>> = LazyLock::new(|| {
+    let known = |m: &methods::Entry| {
+        let method = Loaded::parse(m.name, m.text).ok()?;
+        Some(Known { method, stability: m.tableau().stability(), history: m.path.contains("/multistep/") })
+    };
+    methods::all().iter().filter_map(known).collect()
+});
+
+fn of(name: &str) -> &'static Known {
+    ALL.iter().find(|m| m.method.name() == name).unwrap_or_else(|| panic!("{name} steps"))
+}
+
+fn first_order() -> impl Iterator<Item = &'static Known> {
+    ALL.iter().filter(|m| m.method.form().d == 1)
+}
+
+/// A point at this distance from 0, at this angle to the negative real axis.
+fn ray(degrees: f64, x: f64) -> Complex {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    if degrees == 90.0 { Complex::new(0.0, x) } else { Complex::new(-x * cos, x * sin) }
+}
+
+/// lambda as a matrix.
+fn of_lambda(lambda: Complex) -> [[f64; 2]; 2] {
+    [[lambda.re, -lambda.im], [lambda.im, lambda.re]]
+}
+
+/// The sizes of y along y' = M y from (1, 0), in steps of h; infinite at the end where f overflows.
+fn sizes(method: &Loaded, m: [[f64; 2]; 2], h: f64, steps: usize) -> Vec<f64> {
+    let f = move |_t: f64, y: &[f64; 2], dy: &mut [f64; 2]| {
+        *dy = [m[0][0] * y[0] + m[0][1] * y[1], m[1][0] * y[0] + m[1][1] * y[1]];
+    };
+    let jacobian = move |_t: f64, _y: &[f64; 2], j: &mut Jacobian<f64>| {
+        (0..4).for_each(|k| j[(k / 2, k % 2)] += m[k / 2][k % 2]);
+    };
+    let ivp = solve(f, [1.0, 0.0], 0.0..h * steps as f64).jacobian(jacobian);
+    // A rough start wakes every root of a method with a history.
+    let run = ivp.with(method.clone()).start_with(methods::Euler).step(h).every_step().run();
+    let (ys, more) = match run {
+        Ok(solution) => (solution.ys, None),
+        Err(stopped) => (stopped.solution.ys, Some(f64::INFINITY)),
+    };
+    ys.iter().map(|y| y[0].hypot(y[1])).chain(more).collect()
+}
+
+/// Whether the largest of the last quarter is larger than that of the quarter before. Roots that turn with
+/// different frequencies beat, and two quarters hold the same of a beat but for `slack`.
+fn grows(sizes: &[f64], slack: f64) -> bool {
+    if !(sizes[sizes.len() - 1] < f64::INFINITY) {
+        return true;
+    }
+    let (n, quarter) = (sizes.len(), sizes.len() / 4);
+    let largest = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
+    let (before, last) = (largest(&sizes[n - 2 * quarter..n - quarter]), largest(&sizes[n - quarter..]));
+    // Below 1e-12 of the start nothing is left but what Newton's iteration leaves of its stages.
+    !(last <= (before * (1.0 + slack)).max(1e-12))
+}
+
+/// Steps that show the growth 1 % beyond a limit: of h lambda in a step about. A method with a history must
+/// forget its start first.
+fn steps(history: bool, limit: f64) -> usize {
+    if history { (100.0 / limit).clamp(500.0, 8000.0) as usize } else { 40 }
+}
+
+/// What two quarters may differ by: rounding. A method that is stable on the imaginary axis alone has all its
+/// roots on the circle there, and their beat hides growth below a percent.
+fn slack(stability: &Stability) -> f64 {
+    if stability.limit(0.0) == 0.0 && stability.limit(90.0) > 0.0 { 1e-2 } else { 1e-9 }
+}
+
+/// The limit that bisection finds, from a step far below the predicted one to one far above.
+fn observed(predicted: f64, unstable: impl Fn(f64) -> bool) -> f64 {
+    let (mut good, mut bad) = (0.05 * predicted, 1.9 * predicted);
+    while bad > 1.005 * good {
+        let middle = 0.5 * (good + bad);
+        if unstable(middle) { bad = middle } else { good = middle }
+    }
+    good
+}
+
+#[test]
+fn bisection_finds_the_predicted_limit() {
+    let mut count = [0, 0, 0];
+    for Known { method, stability, history } in first_order() {
+        let slack = slack(stability);
+        for degrees in [0.0, 45.0, 90.0] {
+            let (name, limit) = (method.name(), stability.limit(degrees));
+            let run = |h: f64| sizes(method, of_lambda(ray(degrees, 1.0)), h, steps(*history, limit));
+            let unstable = |h: f64| grows(&run(h), slack + 4e-15 * h);
+            if limit == f64::INFINITY {
+                for h in [0.1, 1.1, 30.0, 1e4, 1e10] {
+                    assert!(!unstable(h), "{name} at {degrees} degrees grows with h |lambda| = {h}");
+                }
+                count[0] += 1;
+            } else if limit == 0.0 {
+                // Near 0, |w| - 1 is a power of h that no arithmetic shows: a step where it is above the slack.
+                let sharp = |h: &f64| stability.amplification(ray(degrees, *h)) > 1.0 + slack;
+                let h = [1.0 / 32.0, 0.125, 0.25, 0.5, 1.0].into_iter().find(sharp);
+                let h = h.unwrap_or_else(|| panic!("{name} at {degrees} degrees has some limit"));
+                assert!(unstable(h), "{name} at {degrees} degrees does not grow with h |lambda| = {h}");
+                count[1] += 1;
+            } else {
+                let h = observed(limit, unstable);
+                assert!((h / limit - 1.0).abs() < 0.01, "{name} at {degrees} degrees: {h}, not {limit}");
+                count[2] += 1;
+            }
+        }
+    }
+    assert!(count[0] > 100 && count[1] > 5 && count[2] > 30, "{count:?}");
+}
+
+#[test]
+fn a_step_multiplies_by_the_stability_function() {
+    let mut count = 0;
+    for Known { method, stability, .. } in first_order().filter(|m| !m.history) {
+        for z in [
+            Complex::new(-0.7, 0.0),
+            Complex::new(-1.1, 0.9),
+            Complex::new(0.2, 2.0),
+            Complex::new(-30.0, 5.0),
+        ] {
+            let sizes = sizes(method, of_lambda(z), 1.0, 1);
+            let (took, says) = (sizes[1] / sizes[0], stability.amplification(z));
+            // Newton's iteration ends at a thousandth of the default tolerance at worst.
+            assert!(
+                (took - says).abs() < 1e-8 * (1.0 + says),
+                "{} at {z}: {took}, not {says}",
+                method.name()
+            );
+            count += 1;
+        }
+    }
+    assert!(count > 150, "{count}");
+}
+
+/// The springs of the lecture: stiffness 400, drag 0 or 4, on a mass of 1. By hand, Euler's |w|^2 is
+/// 1 - 4 h + 400 h^2: it swings up at any step without drag, and from h = 4/400 on with it.
+#[test]
+fn springs_start_to_swing_up_where_predicted() {
+    // For 20 x and v, whose squares add up to the energy.
+    let spring = |c: f64| [[0.0, 20.0], [-20.0, -c]];
+    let unstable = |method: &Loaded, c: f64, h: f64, steps: usize, slack: f64| {
+        grows(&sizes(method, spring(c), h, steps), slack)
+    };
+    let euler = &of("euler").method;
+    assert!([1e-3, 1e-2].iter().all(|&h| unstable(euler, 0.0, h, 40, 1e-9)));
+    assert!((observed(0.009, |h| unstable(euler, 4.0, h, 1000, 1e-9)) - 0.01).abs() < 1e-4);
+    let mut count = 0;
+    for Known { method, stability, history } in first_order() {
+        for c in [0.0, 4.0f64] {
+            // Both eigenvalues have the modulus 20, and c / 40 is the cosine of their angle.
+            let limit = stability.limit(if c == 0.0 { 90.0 } else { (c / 40.0).acos().to_degrees() }) / 20.0;
+            if limit == 0.0 || limit == f64::INFINITY {
+                continue;
+            }
+            // With drag a quarter must hold some swings.
+            let least = if c == 0.0 { 0 } else { 1000 + 2000 * *history as usize };
+            let steps = steps(*history, 20.0 * limit).max(least);
+            let h = observed(limit, |h| unstable(method, c, h, steps, slack(stability)));
+            assert!((h / limit - 1.0).abs() < 0.01, "{}, drag {c}: {h}, not {limit}", method.name());
+            count += 1;
+        }
+    }
+    assert!(count > 20, "{count}");
+}
+
+/// x'' = -400 x by methods for second-order equations.
+#[test]
+fn springs_of_second_order_methods_likewise() {
+    let mut count = 0;
+    for Known { method, stability, .. } in ALL.iter().filter(|m| m.method.form().d == 2) {
+        let unstable = |h: f64| {
+            let f = |_t: f64, x: &[f64; 1], a: &mut [f64; 1]| a[0] = -400.0 * x[0];
+            let run = solve_second(f, [1.0], [0.0], 0.0..1000.0 * h).with(method.clone()).step(h).run();
+            // Where two roots meet on the circle, at the limit and wherever they pass through each other, a swing
+            // grows with the number of steps at most; beyond the limit it grows like a power.
+            run.is_err() || run.is_ok_and(|s| s.y[0].abs() > 1e6)
+        };
+        let limit = stability.limit(0.0) / 20.0;
+        // Beyond the limit a composition may be stable again: the first step that is not counts.
+        let mut h = 0.05 * limit;
+        let next = |h: f64| h + if h < 0.88 * limit { 0.04 } else { 0.004 } * limit;
+        while !unstable(next(h)) && h < 2.0 * limit {
+            h = next(h);
+        }
+        assert!((h / limit - 1.0).abs() < 0.01, "{}: {h}, not {limit}", method.name());
+        count += 1;
+    }
+    assert!(count >= methods::all().iter().filter(|m| m.path.contains("/nystrom/")).count(), "{count}");
+}
+
+/// Where stability alone limits the step, it settles or swings as the spectral radius of step and controller
+/// says.
+#[test]
+fn the_step_settles_where_the_controller_is_stable() {
+    let mut count = [0, 0];
+    for Known { method, stability, .. } in first_order().filter(|m| m.method.form().errors > 0) {
+        for (what, controller) in [
+            ("I", Controller::I),
+            ("PI", Controller::PI),
+            ("PID", Controller::PID),
+            ("H211b", Controller::H211B),
+        ] {
+            let (name, limit) = (method.name(), stability.limit(0.0));
+            let Some(radius) = stability.step_control(Complex::new(-limit, 0.0), &controller) else {
+                continue;
+            };
+            // The factor of a step is read off in straight pieces, a few percent of its power off.
+            if (0.95..1.06).contains(&radius) {
+                continue;
+            }
+            let mut times = vec![];
+            let f = |_t: f64, y: &[f64; 1], dy: &mut [f64; 1]| dy[0] = -y[0];
+            let run = solve(f, [1.0], 0.0..1500.0 * limit).with(method.clone()).rtol(1e-12).atol(1e-6);
+            for step in run.controller(controller).steps() {
+                times.push(step.unwrap().0);
+            }
+            let h: Vec<f64> = times.windows(2).map(|t| t[1] - t[0]).collect();
+            let late = &h[h.len() - 300..h.len() - 2];
+            let (least, most) = late.iter().fold((f64::INFINITY, 0.0f64), |(a, b), &h| (a.min(h), b.max(h)));
+            match radius < 1.0 {
+                true => assert!(most < (1.0 + 1e-6) * least, "{name}, {what}: {least} to {most}"),
+                false => assert!(most > 1.2 * least, "{name}, {what}: {least} to {most}"),
+            }
+            // Either way the border is where the steps are.
+            assert!(least < 1.001 * limit && most > 0.999 * limit, "{name}, {what}: {least} to {most}");
+            count[(radius > 1.0) as usize] += 1;
+        }
+    }
+    assert!(count[0] > 5 && count[1] > 5, "{count:?}");
+}
