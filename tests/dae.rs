@@ -271,7 +271,7 @@ fn told(run: Result<Solution<[f64; 2]>, Stopped<[f64; 2]>>) -> String {
 #[test]
 fn what_cannot_be_stepped_is_told() {
     let ivp = || solve(mixed, mixed_exact(0.0), 0.0..1.0).mass(mixed_mass);
-    assert!(told(ivp().run()).contains("tsit54 is explicit"));
+    assert!(told(ivp().with(methods::Tsit54).run()).contains("tsit54 is explicit"));
     let outside = solve(mixed, mixed_exact(0.0), 0.0..1.0).with(methods::Rodas5p).mass(|m| m[(0, 2)] = 1.0);
     assert!(told(outside.run()).contains("(0, 2)"));
     let nan = solve(mixed, mixed_exact(0.0), 0.0..1.0).with(methods::Rodas5p).mass(|m| m[(1, 0)] = f64::NAN);
@@ -294,7 +294,7 @@ fn what_cannot_be_stepped_is_told() {
 #[test]
 fn values_between_steps_are_as_good_as_their_order() {
     let times: Vec<f64> = (1..=40).map(|k| 0.04 * f64::from(k)).collect();
-    let mut kinds = [0; 3];
+    let mut kinds = [0; 2];
     for method in implicit() {
         let run = |n: u32| {
             let ivp = solve(mixed, mixed_exact(0.0), 0.0..1.6).with(method.clone()).mass(mixed_mass);
@@ -313,6 +313,7 @@ fn values_between_steps_are_as_good_as_their_order() {
         let kind = match fine.1 {
             Interpolant::Own { .. } => 0,
             Interpolant::Hermite { .. } => 1,
+            Interpolant::Nordsieck { .. } => continue,
         };
         kinds[kind] += 1;
         // An interpolant of order q errs as h^(q + 1), the solution it starts from as h^p.
