@@ -53,6 +53,8 @@ impl Visit for Contest {
             let (tol, name) = (if method.form().order < 4 { 1e-4 } else { 1e-6 }, method.name());
             let small = 1e-2 * problem.scale();
             let run = Ivp::new(Equation(problem.clone()), problem.y0(), t0..t1).with(method.clone());
+            // A jump that is not declared is another matter.
+            let run = run.breaks(problem.breaks());
             match run.rtol(tol).atol(tol * small).max_steps(10_000).run() {
                 Ok(s) => {
                     let off = |(y, r): (&f64, &f64)| (y - r).abs() / (r.abs() + small);

@@ -204,6 +204,9 @@ fn table(method: &str, found: &[Vec<Line>]) -> String {
         "{method}: {passed} of {ended} runs that ended pass, {within} of them below {PROMISED} times the tolerance; {} stopped\n",
         count(|line| line.error.is_none())
     );
+    if passed < ended {
+        text += "!: more than the problem explains\n";
+    }
     for (i, reason) in reasons.iter().enumerate() {
         text += &format!("{}: {reason}\n", char::from(b'a' + i as u8));
     }
