@@ -176,6 +176,8 @@ fn matrices<Y: State>(
         "is for y'' = f(t, y)"
     } else if form.explicit() {
         "is explicit"
+    } else if form.orders > 0 && !form.damped {
+        "iterates on f without a matrix"
     } else if form.means[..form.r].iter().any(|m| matches!(m, Meaning::F(k) if *k > 0)) {
         "uses f of older steps"
     } else if matches!(form.stages(), Stages::Diagonal)
