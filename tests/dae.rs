@@ -350,7 +350,7 @@ fn a_regular_mass_matrix_is_as_good_as_dividing_by_it() {
 
 #[test]
 fn bdf_starts_from_implicit_steps() {
-    for method in implicit().into_iter().filter(|m| m.name().starts_with("bdf")) {
+    for method in implicit().into_iter().filter(|m| m.name().starts_with("bdf") && m.form().orders == 0) {
         assert!(!matches!(method.form().stages(), Stages::Full));
         let ivp = solve(mixed, mixed_exact(0.0), 0.0..1.6).with(method.clone()).mass(mixed_mass);
         let run = ivp.step(0.01).every_step().run().unwrap();

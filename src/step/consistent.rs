@@ -57,7 +57,7 @@ impl<Y: State> Solver<Y> {
         let span = (end - t).modulus().to_f64();
         let mut turns = 0;
         let (d, lasts) = loop {
-            self.weigh(y);
+            self.weigh(y, RealOf::<Y>::zero());
             self.restart();
             self.take(system, t, end - t, y)?;
             self.slope(system, t, y)?;
