@@ -199,6 +199,14 @@ impl Groups {
     pub fn of(pattern: &Arc<Pattern>) -> Self {
         Self { pattern: pattern.clone(), columns: Arc::new(pattern.groups()) }
     }
+
+    pub fn pattern(&self) -> &Pattern {
+        &self.pattern
+    }
+
+    pub fn columns(&self) -> &[Vec<usize>] {
+        &self.columns
+    }
 }
 
 /// The real part as far as its sign goes: for complex numbers any direction will do.
