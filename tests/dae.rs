@@ -2,7 +2,10 @@
 
 use kutta::problems::{Problem, RobertsonUntil1e11, RobertsonUntil40};
 use kutta::tableau::Stages;
-use kutta::{Interpolant, Ivp, Jacobian, Loaded, Mass, Method, OutOfDomain, Solution, Stopped, System, Why, methods, solve};
+use kutta::{
+    Interpolant, Ivp, Jacobian, Loaded, Mass, Method, OutOfDomain, Solution, Stopped, System, Why, methods,
+    solve,
+};
 
 /// Methods with implicit stages.
 fn implicit() -> Vec<Loaded> {
@@ -99,7 +102,12 @@ fn adaptive_runs_meet_the_tolerance() {
                 let worst = (run.y[0] - exact[0]).abs().max((run.y[1] - exact[1]).abs());
                 // A second-order z of a method that is not stiffly accurate lags behind by more.
                 let loose = property(method.name()).stiffly_accurate == Some(false);
-                assert!(worst < if loose { 1e-3 } else { 1e-4 }, "{}: {worst:e} {:?}", method.name(), run.stats);
+                assert!(
+                    worst < if loose { 1e-3 } else { 1e-4 },
+                    "{}: {worst:e} {:?}",
+                    method.name(),
+                    run.stats
+                );
                 assert!(run.stats.accepted < 2000, "{}: {:?}", method.name(), run.stats);
             }
             Err(stop) => assert!(matches!(stop.why, Why::Invalid(_)), "{}: {stop}", method.name()),
@@ -137,7 +145,12 @@ fn robertson_as_an_algebraic_problem_has_the_digits_of_the_equation() {
             let Some(entry) = methods::find(name) else { continue };
             let method = Loaded::parse(entry.name, entry.text).unwrap();
             let ivp = solve(robertson, [1.0, 0.0, 0.0], 0.0..end).with(method).mass(two_of_three);
-            let run = ivp.jacobian(robertson_jacobian).rtol(1e-7).atol(1e-14).run().unwrap_or_else(|e| panic!("{name} to {end}: {e:?}"));
+            let run = ivp
+                .jacobian(robertson_jacobian)
+                .rtol(1e-7)
+                .atol(1e-14)
+                .run()
+                .unwrap_or_else(|e| panic!("{name} to {end}: {e:?}"));
             for (y, r) in run.y.iter().zip(&reference) {
                 // What is left of y1 at 1e11 is 2e-8 and carries the relative errors of the way there.
                 let bound = if end > 100.0 { 1e-4 } else { 1e-5 };
@@ -228,7 +241,11 @@ fn an_inconsistent_start_is_refused_or_mended() {
     // Below the tolerance it is as good as consistent.
     assert!(start([1.0, 0.0, 1e-12]).run().is_ok());
     let run = start([1.0, 0.0, 1e-3]).consistent().every_step().run().unwrap();
-    assert!(run.ys[0][2].abs() < 1e-10 && (run.ys[0][0] - 1.0).abs() + run.ys[0][1].abs() < 1e-11, "{:?}", run.ys[0]);
+    assert!(
+        run.ys[0][2].abs() < 1e-10 && (run.ys[0][0] - 1.0).abs() + run.ys[0][1].abs() < 1e-11,
+        "{:?}",
+        run.ys[0]
+    );
     assert!((run.y[0] - RobertsonUntil40.reference().unwrap()[0]).abs() < 1e-5);
     // Where no row of M is zero, M y is held: the charges of the capacitors.
     let mut off = AMPLIFIER;

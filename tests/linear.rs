@@ -15,7 +15,9 @@ fn method(name: &str) -> Loaded {
 
 /// The Brusselator on the heap.
 fn rhs(t: f64, y: &Vec<f64>, dy: &mut Vec<f64>) {
-    let (Ok(y), Ok(dy)) = (y.as_slice().try_into(), dy.as_mut_slice().try_into()) else { panic!("80 components") };
+    let (Ok(y), Ok(dy)) = (y.as_slice().try_into(), dy.as_mut_slice().try_into()) else {
+        panic!("80 components")
+    };
     Brusselator1dN40.rhs(t, y, dy);
 }
 
@@ -69,7 +71,8 @@ fn every_storage_gives_the_solution_of_the_array() {
 #[test]
 fn a_group_of_columns_takes_one_evaluation() {
     let run = |pattern: Option<Pattern>| {
-        let ivp = Ivp::new(rhs as fn(f64, &Vec<f64>, &mut Vec<f64>), Brusselator1dN40.y0().to_vec(), 0.0..0.1);
+        let ivp =
+            Ivp::new(rhs as fn(f64, &Vec<f64>, &mut Vec<f64>), Brusselator1dN40.y0().to_vec(), 0.0..0.1);
         let ivp = ivp.with(methods::Rodas5p).step(0.01);
         let ivp = match pattern {
             Some(pattern) => ivp.pattern(pattern),
@@ -153,7 +156,11 @@ fn a_system_may_have_its_pattern() {
     let start: Vec<f64> = (0..60).map(|i| f64::from(i % 7)).collect();
     let f = |t: f64, y: &Vec<f64>, dy: &mut Vec<f64>| Arrow { stray: false }.rhs(t, y, dy).unwrap();
     let full = solve(f, start.clone(), 0.0..5.0).with(methods::Rodas5p).rtol(1e-8).run().unwrap();
-    let run = Ivp::new(Arrow { stray: false }, start.clone(), 0.0..5.0).with(methods::Rodas5p).rtol(1e-8).run().unwrap();
+    let run = Ivp::new(Arrow { stray: false }, start.clone(), 0.0..5.0)
+        .with(methods::Rodas5p)
+        .rtol(1e-8)
+        .run()
+        .unwrap();
     for (a, b) in run.y.iter().zip(&full.y) {
         assert!((a - b).abs() < 1e-8 * (1.0 + a.abs()), "{a} {b}");
     }
@@ -280,7 +287,10 @@ fn dual_numbers_give_the_derivatives_to_rounding() {
     let ivp = solve(f, y, 0.7..3.0).with(methods::RadauIia3).rtol(1e-9).atol(1e-9);
     let written = ivp.jacobian(given).run().unwrap();
     let found = Ivp::new(dual, y, 0.7..3.0).with(methods::RadauIia3).rtol(1e-9).atol(1e-9).run().unwrap();
-    assert_eq!((found.stats.accepted, found.stats.evaluations), (written.stats.accepted, written.stats.evaluations));
+    assert_eq!(
+        (found.stats.accepted, found.stats.evaluations),
+        (written.stats.accepted, written.stats.evaluations)
+    );
     assert!((found.y[0] - written.y[0]).abs() < 1e-13 && (found.y[1] - written.y[1]).abs() < 1e-13);
 }
 
@@ -303,7 +313,8 @@ impl Field for Rod {
 #[test]
 fn dual_numbers_take_groups_of_columns() {
     let start: Vec<f64> = (0..100).map(|i| f64::from(i % 10)).collect();
-    let dual = Ivp::new(Dual::of(Rod), start.clone(), 0.0..1.0).with(methods::RadauIia3).rtol(1e-8).run().unwrap();
+    let dual =
+        Ivp::new(Dual::of(Rod), start.clone(), 0.0..1.0).with(methods::RadauIia3).rtol(1e-8).run().unwrap();
     let f = |t: f64, y: &Vec<f64>, dy: &mut Vec<f64>| Rod.rhs(t, y, dy);
     let plain = solve(f, start, 0.0..1.0).with(methods::RadauIia3).rtol(1e-8).run().unwrap();
     for (a, b) in dual.y.iter().zip(&plain.y) {

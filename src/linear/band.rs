@@ -79,13 +79,7 @@ fn factor_width<T: Scalar>(
 }
 
 /// Solves with the factors.
-pub fn solve<T: Scalar>(
-    n: usize,
-    (lower, upper): (usize, usize),
-    a: &[T],
-    pivots: &[usize],
-    x: &mut [T],
-) {
+pub fn solve<T: Scalar>(n: usize, (lower, upper): (usize, usize), a: &[T], pivots: &[usize], x: &mut [T]) {
     match (lower, upper) {
         (1, 1) => solve_narrow::<T, 1, 2>(n, a, pivots, x),
         (2, 2) => solve_narrow::<T, 2, 4>(n, a, pivots, x),

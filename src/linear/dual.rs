@@ -71,6 +71,7 @@ impl<Y: State<Scalar = f64>, F: Field> System<Y> for Dual<F> {
         self.lift(y.as_slice());
         let (n, t) = (y.as_slice().len(), Dual64::from_re(t));
         let Self { field, groups, y, dy } = self;
+        let groups = groups.as_ref();
         // The derivative along the sum of the columns' coordinates.
         let mut along = |columns: &[usize]| {
             columns.iter().for_each(|&k| y[k].eps = 1.0);

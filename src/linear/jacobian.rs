@@ -1,10 +1,10 @@
 //! The derivatives of f: given by the system, else by differences.
 
+use super::Square;
+use super::pattern::Pattern;
 use crate::step::scalar::{Real, Scalar};
 use crate::step::state::{RealOf, State};
 use crate::step::system::{OutOfDomain, System};
-use super::Square;
-use super::pattern::Pattern;
 use num_traits::{One, Zero};
 use std::ops::{Index, IndexMut};
 use std::sync::Arc;
@@ -26,7 +26,9 @@ pub struct Jacobian<'m, T> {
 #[derive(Clone, Copy)]
 pub enum Layout<'m> {
     /// Entry (i, j) at `i + j n`.
-    Dense { n: usize },
+    Dense {
+        n: usize,
+    },
     In(&'m Pattern),
 }
 

@@ -1,7 +1,7 @@
 //! The mass matrix M of M y' = f(t, y).
 
-use super::pattern::Misplaced;
 use super::Square;
+use super::pattern::Misplaced;
 use crate::step::scalar::{Real, Scalar};
 use std::collections::BTreeMap;
 use std::ops::{Index, IndexMut};

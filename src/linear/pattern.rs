@@ -268,7 +268,8 @@ mod tests {
     #[test]
     fn no_two_columns_of_a_group_share_a_row() {
         let arrow = Pattern::sparse(20, (0..20).flat_map(|i| [(0, i), (i, 0)])).unwrap();
-        let star = Pattern::sparse(30, (0..30).flat_map(|i| [(i, (7 * i) % 30), (i, (i + 11) % 30)])).unwrap();
+        let star =
+            Pattern::sparse(30, (0..30).flat_map(|i| [(i, (7 * i) % 30), (i, (i + 11) % 30)])).unwrap();
         for pattern in [Pattern::banded(17, 2, 1), Pattern::dense(4), arrow, star] {
             let groups = pattern.groups();
             let mut columns: Vec<usize> = groups.concat();

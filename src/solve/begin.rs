@@ -2,9 +2,9 @@
 
 use super::blame::not_finite;
 use super::control::Control;
+use super::ivp::Structure;
 use super::outcome::{Why, first_non_finite};
 use super::run::{Leg, Pace};
-use super::ivp::Structure;
 use super::start::{History, fill, first_step, small_step, starter, steps_behind};
 use super::steps::Steps;
 use super::watch::Flow;
@@ -167,8 +167,7 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
         end: RealOf<Y>,
     ) -> Result<Y, Why> {
         let span = (self.t, end);
-        let entered =
-            solver.enter(system, mass, span, &mut self.y, &self.rules.tolerance, self.options.mend);
+        let entered = solver.enter(system, mass, span, &mut self.y, &self.rules.tolerance, self.options.mend);
         self.stats.spend(std::mem::take(&mut solver.effort));
         let slope = entered.map_err(|astray| match astray {
             Astray::Unsolved(why) => Refused { stage: 0, why }.reason(),
@@ -198,9 +197,10 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
         let mass = self.matrices.as_ref().is_some_and(|known| known.mass.is_some());
         let starter = self.options.starter.clone().unwrap_or_else(|| starter(form, mass));
         let mut first = Stepper::new(starter.clone(), &self.y);
-        let mut solver = self.matrices.as_ref().filter(|_| !starter.form().explicit()).map(|known| {
-            Box::new(Solver::new(starter.form(), &self.y, known, &self.rules.tolerance, false))
-        });
+        let mut solver =
+            self.matrices.as_ref().filter(|_| !starter.form().explicit()).map(|known| {
+                Box::new(Solver::new(starter.form(), &self.y, known, &self.rules.tolerance, false))
+            });
         let lone = History { ys: vec![self.y.clone()], slopes: vec![] };
         self.stats.evaluations +=
             fill(starter.form(), first.words_mut(), &mut system, self.t, &lone, self.v.as_ref(), None)

@@ -40,8 +40,7 @@ pub(crate) struct Dense<Y: State> {
 
 impl<Y: State> Dense<Y> {
     pub fn new(form: &Form, y: &Y, mass: bool) -> Self {
-        let collocation =
-            if mass && form.dense_order == 0 { Collocation::of(form) } else { None };
+        let collocation = if mass && form.dense_order == 0 { Collocation::of(form) } else { None };
         let (interpolant, interior) = if form.dense_order > 0 {
             (Interpolant::Own { order: form.dense_order }, 0)
         } else if collocation.is_some() {
@@ -98,9 +97,7 @@ impl<Y: State> Dense<Y> {
     /// With a mass matrix: the stages give what lies between steps, by an interpolant of their own or by the slope
     /// at the end of the step.
     pub fn can_serve_mass(form: &Form) -> bool {
-        form.dense_order > 0
-            || Collocation::of(form).is_some()
-            || end_stage(form).is_some()
+        form.dense_order > 0 || Collocation::of(form).is_some() || end_stage(form).is_some()
     }
 
     /// A new leg begins somewhere else.

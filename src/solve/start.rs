@@ -129,12 +129,7 @@ pub(crate) fn small_step<Y: State>(rules: &Rules<RealOf<Y>>, y0: &Y, slope: &Y) 
 }
 
 /// The size of `x`, or of `x` minus another, in units of the tolerances at y0.
-fn size<Y: State>(
-    rules: &Rules<RealOf<Y>>,
-    y0: &Y,
-    x: &[Y::Scalar],
-    minus: Option<&[Y::Scalar]>,
-) -> f64 {
+fn size<Y: State>(rules: &Rules<RealOf<Y>>, y0: &Y, x: &[Y::Scalar], minus: Option<&[Y::Scalar]>) -> f64 {
     let ratio = |(i, y): (usize, &Y::Scalar)| {
         let (rtol, atol) = rules.tolerance.at(i);
         let weight = (atol + rtol * y.modulus()).to_f64();

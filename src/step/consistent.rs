@@ -1,7 +1,8 @@
 //! How M y' = f(t, y) with a singular M starts: the slope, which M does not give in every direction, and whether y
 //! fulfils the algebraic equations.
 
-use super::implicit::{Solver, finite, subtract};
+use super::derivative::subtract;
+use super::implicit::{Solver, finite};
 use super::norm::Tolerance;
 use super::scalar::{Real, Scalar};
 use super::state::{RealOf, State};
@@ -68,7 +69,8 @@ impl<Y: State> Solver<Y> {
             let d = (1e-10 * lasts).min(1e-2 / moves);
             let d = RealOf::<Y>::from_f64(if end > t { d } else { -d });
             let singular = |component| Unsolved::Singular { component };
-            factor_shifted(&mut matrix, &self.jacobian, Some(mass), |m| m, |j| j.scale(-d)).map_err(singular)?;
+            factor_shifted(&mut matrix, &self.jacobian, Some(mass), |m| m, |j| j.scale(-d))
+                .map_err(singular)?;
             slope.as_mut_slice().copy_from_slice(self.slope.as_slice());
             matrix.solve(slope.as_mut_slice());
             finite(&slope)?;
