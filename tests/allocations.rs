@@ -131,6 +131,9 @@ fn faer_columns() {
 /// Matrices of every storage are taken once, whatever factors them; those that faer factors too.
 #[test]
 fn matrices() {
+    // faer chooses its kernels when it is called first.
+    let first = solve(turn::<Vec<f64>>, vec![0.25; 60], 0.0..1.0).with(Rodas5p).run();
+    assert!(first.is_ok());
     let turn = turn::<Vec<f64>>;
     for n in [20, 60] {
         let pairs = (0..n).map(|i| (i, i ^ 1));

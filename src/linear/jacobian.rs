@@ -159,8 +159,7 @@ pub(crate) fn by_differences<Y: State>(
             if done.is_ok() {
                 for &j in columns {
                     // The step that was taken, after rounding.
-                    let step = signed(moved.as_slice()[j] - y.as_slice()[j], turn * size(j));
-                    let per = RealOf::<Y>::one() / step;
+                    let per = RealOf::<Y>::one() / ahead(moved.as_slice()[j] - y.as_slice()[j]);
                     let entry = |i: usize| (changed.as_slice()[i] - slope.as_slice()[i]).scale(per);
                     match groups {
                         None => {
@@ -215,10 +214,6 @@ impl Groups {
 fn ahead<T: Scalar>(slope: T) -> T::Real {
     let forth = (slope + T::one().scale(slope.modulus())).modulus();
     if forth >= slope.modulus() { slope.modulus() } else { -slope.modulus() }
-}
-
-fn signed<T: Scalar>(step: T, like: T::Real) -> T::Real {
-    if like < T::Real::zero() { -step.modulus() } else { step.modulus() }
 }
 
 /// h df/dt, given or by a difference inside the step of size h from `t` to `end`, into `out`: times may be so short that
