@@ -43,7 +43,7 @@ fn every_storage_gives_the_solution_of_the_array() {
     let off = |y: &[f64]| y.iter().zip(&reference).map(|(y, r)| (y - r).abs()).fold(0.0, f64::max);
     for name in ["rodas5p", "radau-iia3"] {
         let f = |t: f64, y: &[f64; N], dy: &mut [f64; N]| Brusselator1dN40.rhs(t, y, dy);
-        let small = solve(f, Brusselator1dN40.y0(), 0.0..10.0).with(method(name)).rtol(1e-6).atol(1e-6);
+        let small = solve(f, Brusselator1dN40.y0(), 0.0..10.0).with(method(name)).rtol(1e-4).atol(1e-4);
         let small = small.run().unwrap();
         for (what, pattern) in [
             ("dense", Pattern::dense(N)),
@@ -56,10 +56,10 @@ fn every_storage_gives_the_solution_of_the_array() {
                 if what == "dense" && !given {
                     continue;
                 }
-                let ivp = heap().with(method(name)).pattern(pattern.clone()).rtol(1e-6).atol(1e-6);
+                let ivp = heap().with(method(name)).pattern(pattern.clone()).rtol(1e-4).atol(1e-4);
                 let run = if given { ivp.jacobian(jacobian).run() } else { ivp.run() }.unwrap();
                 let what = format!("{name}, {what}, Jacobian given: {given}");
-                assert!(off(&run.y) < 2.0 * off(&small.y) + 1e-7, "{what}: {:e}", off(&run.y));
+                assert!(off(&run.y) < 2.0 * off(&small.y), "{what}: {:e}", off(&run.y));
                 // The last bits of the factors differ, and with them now and then a step.
                 let ratio = run.stats.accepted as f64 / small.stats.accepted as f64;
                 assert!((0.95..1.05).contains(&ratio), "{what}: {:?} {:?}", run.stats, small.stats);

@@ -195,8 +195,8 @@ mod tests {
             factors.factor().unwrap();
             factors.clone().solve(&mut x);
             let mut ax = vec![T::zero(); n];
-            for j in 0..n {
-                pattern.column(j).for_each(|i| ax[i] = ax[i] + entry(i, j) * x[j]);
+            for (j, &x) in x.iter().enumerate() {
+                pattern.column(j).for_each(|i| ax[i] = ax[i] + entry(i, j) * x);
             }
             for (ax, b) in ax.into_iter().zip(b) {
                 worst = worst.max(crate::step::scalar::Real::to_f64((ax - b).modulus()));
