@@ -1,6 +1,7 @@
 //! Implicit stages one after the other: Newton's iteration on each.
 
-use super::implicit::{Factors, Solver, finite, stage_time, subtract};
+use super::derivative::subtract;
+use super::implicit::{Factors, Solver, finite, stage_time};
 use super::row::{assemble_read, powers};
 use super::scalar::{Plain, Real, Scalar};
 use super::state::{RealOf, State};

@@ -3,6 +3,7 @@
 //! a multistep formula ([`nordsieck`](super::nordsieck)). Rows are read in a loop: the matrices cost more than that.
 
 use super::coupled::Coupled;
+use super::derivative::subtract;
 use super::iteration::Iteration;
 use super::nordsieck::Nordsieck;
 use super::norm::Tolerance;
@@ -12,9 +13,7 @@ use super::split::Stiff;
 use super::state::{RealOf, State};
 use super::stepper::{Refused, Unsolved, View, is_one};
 use super::system::System;
-use crate::linear::{
-    ConstantMass, Effort, Groups, Jacobian, Known, Pattern, Square, by_differences, factor_shifted,
-};
+use crate::linear::{ConstantMass, Effort, Groups, Known, Pattern, Square, factor_shifted};
 use crate::tableau::{DoubleDouble, Form, Stages};
 use num_traits::{One, Zero};
 use std::sync::Arc;
@@ -33,7 +32,7 @@ pub(super) struct Factors<R, Q> {
 pub(crate) struct Solver<Y: State> {
     pub(super) jacobian: Y::Square,
     /// Columns whose differences are taken together.
-    groups: Option<Groups>,
+    pub(super) groups: Option<Groups>,
     /// M of M y' = f(t, y); `None` for the identity.
     pub(super) mass: Option<Arc<ConstantMass<Y::Scalar>>>,
     /// The Jacobian is that of the start of the step.
@@ -53,7 +52,7 @@ pub(crate) struct Solver<Y: State> {
     pub(super) tolerance: Tolerance<RealOf<Y>>,
     pub(super) adaptive: bool,
     pub(super) iteration: Iteration,
-    coupled: Option<Coupled<Y>>,
+    pub(super) coupled: Option<Coupled<Y>>,
     /// The slope at the start of the step is there.
     pub(super) sloped: bool,
     /// The size of the last attempt, if it was accepted.
@@ -208,53 +207,6 @@ impl<Y: State> Solver<Y> {
         taken.map_err(|why| Refused { stage: 0, why })
     }
 
-    /// Takes the Jacobian at the start of the step.
-    pub(super) fn take<S: System<Y>>(
-        &mut self,
-        system: &mut S,
-        t: RealOf<Y>,
-        h: RealOf<Y>,
-        y: &Y,
-    ) -> Result<(), Unsolved> {
-        // Should it fail, there is none.
-        (self.here, self.known) = (false, false);
-        self.iteration.forget();
-        if let Some(coupled) = &mut self.coupled {
-            coupled.forget();
-        }
-        self.factors.iter_mut().for_each(|f| f.hg = RealOf::<Y>::zero());
-        let mut given = Jacobian::zero(&mut self.jacobian);
-        if system.jacobian(t, y, &mut given) {
-            if let Some((row, column)) = given.outside() {
-                return Err(Unsolved::OutsidePattern { row, column });
-            }
-            self.effort.jacobians += 1;
-        } else {
-            self.slope(system, t, y)?;
-            by_differences(
-                system,
-                t,
-                y,
-                &self.slope,
-                (&mut self.time, &mut self.residual),
-                &self.weights,
-                h,
-                if self.mass.is_some() { RealOf::<Y>::one() } else { RealOf::<Y>::zero() },
-                self.groups.as_ref(),
-                &mut self.jacobian,
-                &mut self.effort,
-            )
-            .map_err(|_| Unsolved::Domain)?;
-        }
-        match self.jacobian.entries().iter().position(|x| !x.finite()) {
-            Some(at) => Err(Unsolved::Jacobian { component: self.jacobian.layout().row_at(at) }),
-            None => {
-                (self.here, self.known) = (true, true);
-                Ok(())
-            }
-        }
-    }
-
     /// Factors of M - h g J for the diagonal g, made where they are not there.
     pub(super) fn factored(&mut self, diagonal: DoubleDouble, h: RealOf<Y>) -> Result<usize, Unsolved> {
         let hg = h * RealOf::<Y>::of(diagonal);
@@ -334,21 +286,6 @@ impl<Y: State> Solver<Y> {
         );
         self.iteration.learn(&solved.map_err(refused)?);
         Ok(())
-    }
-}
-
-/// `residual -= M slope`.
-#[inline(always)]
-pub(super) fn subtract<Y: State>(residual: &mut Y, mass: Option<&ConstantMass<Y::Scalar>>, slope: &Y) {
-    match mass {
-        None => {
-            for (r, f) in residual.as_mut_slice().iter_mut().zip(slope.as_slice()) {
-                *r = *r - *f;
-            }
-        }
-        Some(mass) => {
-            mass.add_product(residual.as_mut_slice(), -RealOf::<Y>::one(), slope.as_slice());
-        }
     }
 }
 

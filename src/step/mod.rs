@@ -2,6 +2,7 @@
 
 pub(crate) mod consistent;
 pub(crate) mod coupled;
+pub(crate) mod derivative;
 pub(crate) mod diagonal;
 pub(crate) mod implicit;
 pub(crate) mod iteration;
