@@ -46,6 +46,27 @@ pub trait Square<T: Scalar>: Clone {
     fn solve(&mut self, x: &mut [T]);
 }
 
+/// Calls `with` for every entry that can be other than zero: its row, its column, its value.
+pub(crate) fn each_entry<T: Scalar>(matrix: &impl Square<T>, mut with: impl FnMut(usize, usize, T)) {
+    let entries = matrix.entries();
+    match matrix.layout() {
+        Layout::Dense { n } => {
+            for (j, column) in entries.chunks_exact(n.max(1)).enumerate() {
+                column.iter().enumerate().for_each(|(i, &entry)| with(i, j, entry));
+            }
+        }
+        Layout::In(pattern) => {
+            for j in 0..pattern.n() {
+                for i in pattern.column(j) {
+                    if let Some(at) = pattern.place(i, j) {
+                        with(i, j, entries[at]);
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// What is known of the matrices of a problem before it runs.
 #[derive(Clone)]
 pub(crate) struct Known<T> {

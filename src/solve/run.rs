@@ -256,7 +256,7 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
             && stats.accepted >= look
             && let Some(stiffness) = &mut stiffness
         {
-            turned = match &solver {
+            turned = match &mut solver {
                 Some(solver) if const { M::READ } => stiffness.ends(solver.reach(step)),
                 _ => lend(&stepper, |s| stiffness.begins(s, &rules.tolerance)),
             };

@@ -3,7 +3,6 @@
 //! a multistep formula ([`nordsieck`](super::nordsieck)). Rows are read in a loop: the matrices cost more than that.
 
 use super::coupled::Coupled;
-use super::derivative::subtract;
 use super::iteration::Iteration;
 use super::nordsieck::Nordsieck;
 use super::norm::Tolerance;

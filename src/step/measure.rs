@@ -5,7 +5,7 @@ use super::scalar::{Real, Scalar};
 use super::state::{RealOf, State};
 use super::stepper::{Refused, Unsolved};
 use super::system::System;
-use crate::linear::Square;
+use crate::linear::each_entry;
 use crate::tableau::Form;
 use num_traits::{One, Zero};
 
@@ -60,14 +60,14 @@ impl<Y: State> Solver<Y> {
 
     /// A bound of h |lambda| for all eigenvalues lambda of the Jacobian last taken: its largest row sum in units of
     /// what matters.
-    pub fn reach(&self, h: RealOf<Y>) -> f64 {
-        let (entries, layout, weights) =
-            (self.jacobian.entries(), self.jacobian.layout(), self.weights.as_slice());
-        let row = |i: usize| {
-            let at = |j: usize| layout.place(i, j).map_or(Y::Scalar::zero(), |at| entries[at]);
-            let entry = |j: usize| (at(j) * weights[i] / weights[j]).modulus().to_f64();
-            (0..weights.len()).map(entry).sum::<f64>()
-        };
-        h.modulus().to_f64() * (0..weights.len()).map(row).fold(0.0, f64::max)
+    pub fn reach(&mut self, h: RealOf<Y>) -> f64 {
+        let weights = self.weights.as_slice();
+        let sums = self.residual.as_mut_slice();
+        sums.fill(Y::Scalar::zero());
+        each_entry(&self.jacobian, |i, j, entry| {
+            sums[i] = sums[i] + Y::Scalar::one().scale((entry * weights[i] / weights[j]).modulus());
+        });
+        let largest = sums.iter().map(|sum| sum.modulus().to_f64()).fold(0.0, f64::max);
+        h.modulus().to_f64() * largest
     }
 }
