@@ -32,7 +32,7 @@
 //! # Stiff problems
 //!
 //! ```
-//! use kutta::{methods::Rodas5p, solve};
+//! use kutta::solve;
 //!
 //! // Robertson (1966): rates from 0.04 to 3e7, hopeless for an explicit method.
 //! let robertson = |_t: f64, y: &[f64; 3], dy: &mut [f64; 3]| {
@@ -40,14 +40,17 @@
 //!     dy[2] = 3e7 * y[1] * y[1];
 //!     dy[1] = -dy[0] - dy[2];
 //! };
-//! let run = solve(robertson, [1.0, 0.0, 0.0], 0.0..40.0).with(Rodas5p).rtol(1e-6).atol(1e-10).run()?;
+//! let run = solve(robertson, [1.0, 0.0, 0.0], 0.0..40.0).rtol(1e-6).atol(1e-10).run()?;
 //! assert!((run.y[0] - 0.7158270687).abs() < 1e-6 && run.stats.accepted < 200);
+//! // From where on which method, and why.
+//! assert_eq!(run.choices[1].method, "rodas5p");
 //! # Ok::<(), kutta::Stopped<[f64; 3]>>(())
 //! ```
 //!
-//! Any method with implicit stages will do; the Jacobian is found by differences unless
-//! [`Ivp::jacobian`] gives it. [`methods::Bdf`] chooses its order with its step, and so does
-//! [`methods::Adams`] where nothing is stiff and f costs much.
+//! No method was named: the run began with an explicit one and found out ([`Auto`]). Any method with implicit
+//! stages will do as well; the Jacobian is found by differences unless [`Ivp::jacobian`] or [`Dual`] gives it.
+//! [`methods::Bdf`] chooses its order with its step, and so does [`methods::Adams`] where nothing is stiff and f
+//! costs much. [`solve_split`] takes f in two parts, of which an IMEX pair solves for one.
 //!
 //! # Large and differential-algebraic systems
 //!
