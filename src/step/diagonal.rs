@@ -65,6 +65,13 @@ impl<Y: State> Solver<Y> {
             } else if let Ok([to, from]) = x.get_disjoint_mut([form.r + i, from]) {
                 to.as_mut_slice().copy_from_slice(from.as_slice());
             }
+            if let Some((before, share)) = trend(form, i)
+                && let Ok([to, old]) = x.get_disjoint_mut([form.r + i, before])
+            {
+                for (to, &old) in to.as_mut_slice().iter_mut().zip(old.as_slice()) {
+                    *to = *to + (*to - old).scale(RealOf::<Y>::from_f64(share));
+                }
+            }
             let factors = self.factored(row.diagonal, powers[form.d]).map_err(refused)?;
             self.iterate(factors, system, at, &mut out[0], &mut x[form.r + i]).map_err(refused)?;
         }
@@ -113,4 +120,16 @@ impl<Y: State> Solver<Y> {
 /// Of a system in one part, the other is nothing to evaluate.
 fn counted<Y: State, S: System<Y>>(nonstiff: bool, system: &S) -> u64 {
     u64::from(!nonstiff || system.is_split())
+}
+
+/// Where the two stages before this one tell how its slope goes on: the earlier one's place, and how far the line
+/// through both reaches beyond the later one. No farther than it is long.
+fn trend(form: &Form, i: usize) -> Option<(usize, f64)> {
+    let per = 1 + form.split() as usize;
+    if form.r > 2 || i < 2 * per {
+        return None;
+    }
+    let [now, last, before] = [0, per, 2 * per].map(|back| form.c[i - back].hi());
+    let share = (now - last) / (last - before);
+    (share.abs() <= 1.0).then_some((form.r + i - 2 * per, share))
 }
