@@ -1,0 +1,123 @@
+//! The commands `hard` and `stability`: what they print and write, and one clear line for every bad input.
+#![cfg(feature = "cli")]
+
+mod common;
+
+use common::{Folder, complaint, json, keys, printed};
+use kutta::compare::hard::{PROMISED, TOLERANCES, cases};
+
+/// A line of one component, whose runs take no time, solved by a method of few stages.
+const CHEAP: [&str; 5] = ["hard", "--method", "ros3p", "--problem", "curtiss-hirschfelder"];
+
+#[test]
+fn hard_gives_a_row_for_every_tolerance() {
+    let rows = json(&[&CHEAP[..], &["--json"]].concat());
+    let rows = rows.as_array().unwrap();
+    let tolerances: Vec<_> = rows.iter().map(|row| row["tolerance"].as_f64().unwrap()).collect();
+    assert_eq!(tolerances, TOLERANCES);
+    let mut before = f64::INFINITY;
+    for row in rows {
+        let all = ["accepted", "allowed", "error", "evaluations", "factorizations", "jacobians", "method"];
+        assert_eq!(keys(row), [&all[..], &["problem", "reason", "stopped", "tolerance"]].concat(), "{row}");
+        assert_eq!((&row["method"], &row["problem"]), (&"ros3p".into(), &"curtiss-hirschfelder".into()));
+        assert!(row["allowed"].as_f64() >= Some(PROMISED), "{row}");
+        // Steps too many for the time end the ladder: then the row says so.
+        let Some(error) = row["error"].as_f64() else {
+            assert!(row["stopped"].as_str().unwrap().contains("not run") && row["accepted"] == 0, "{row}");
+            continue;
+        };
+        assert!(row["stopped"].is_null() && error < before, "{row}");
+        assert!(row["evaluations"].as_u64() > row["accepted"].as_u64(), "{row}");
+        assert!(row["jacobians"].as_u64() > Some(0) && row["factorizations"].as_u64() > Some(0), "{row}");
+        before = error;
+    }
+    // The first three take some hundred steps.
+    assert!(rows[..3].iter().all(|row| row["error"].is_number()), "{rows:?}");
+}
+
+#[test]
+fn hard_prints_a_table() {
+    let table = printed(&CHEAP);
+    let lines: Vec<_> = table.lines().collect();
+    let heading = lines.iter().find(|line| line.contains("1e-11")).expect("tolerances");
+    assert!(heading.contains("ros3p") && heading.contains("1e-3"), "{table}");
+    let row = lines.iter().find(|line| line.contains("curtiss-hirschfelder")).expect("a row");
+    assert_eq!(row.split_whitespace().filter(|cell| cell.contains('.')).count(), 5, "{table}");
+    assert!(table.contains("ros3p: 5 of 5 runs that ended pass") && table.contains("0 stopped"), "{table}");
+    // Every name of a hard problem is one that the command takes; `,` parts two of them.
+    assert!(cases().iter().any(|case| case.name == "robertson-40, algebraic"));
+}
+
+#[test]
+fn hard_refuses_in_one_line() {
+    let wrong = Folder::new("hard");
+    let file = wrong.file("wrong.toml", b"order = 1\n");
+    for (args, says) in [
+        (&["--problem", "robertson"][..], "robertson-40"),
+        (&["--problem", "lorenz63"], "the hard problems are"),
+        (&["--method", "rodas5q"], "did you mean rodas"),
+        (&["--method", "dp54"], "its stages are explicit or it has no error estimate"),
+        (&["--method", "gauss2", "--problem", "xyzzy"], "the hard problems are"),
+        (&["--method", "backward-euler"], "backward-euler is not for stiff problems with adaptive steps"),
+        (&["--method", "velocity-verlet"], "is not for stiff problems"),
+        (&["--method", &file], "wrong.toml"),
+        (&["--method", "nowhere.toml"], "nowhere.toml cannot be read"),
+        (&["--all", "--method", "rodas4"], "cannot be used with"),
+        (&["--tolerance", "1e-3"], "--tolerance"),
+    ] {
+        let line = complaint(&[&["hard"], args].concat(), 2);
+        assert!(line.contains(says), "{args:?}: {line:?} does not say {says:?}");
+    }
+}
+
+#[test]
+fn stability_writes_pictures_and_prints_limits() {
+    let folder = Folder::new("stability");
+    let out = folder.path("new");
+    for (name, says) in [
+        // By hand: the real zero of 1 + z + z^2/2 + z^3/6 + 1.
+        ("bs32", &["-2.5127", "step control"][..]),
+        ("backward-euler", &["L-stable"]),
+        ("bdf3", &["86.03"]),
+        // x'' = -x in steps of 2 at most.
+        ("velocity-verlet", &["h omega", "2"]),
+    ] {
+        let shown = printed(&["stability", name, "--out", &out]);
+        assert!(says.iter().all(|says| shown.contains(says)), "{name}: {shown}");
+        assert!(shown.ends_with(&format!("{name}-stability.svg and {name}-stability.png are in {out}\n")), "{shown}");
+        let (svg, png) = (format!("{out}/{name}-stability.svg"), format!("{out}/{name}-stability.png"));
+        let svg = std::fs::read_to_string(svg).unwrap();
+        assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>") && svg.contains(name), "{name}");
+        assert!(std::fs::read(png).unwrap().starts_with(b"\x89PNG"), "{name}");
+    }
+    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 8, "nothing else is left");
+}
+
+#[test]
+fn stability_takes_files_and_refuses_others() {
+    let folder = Folder::new("regions");
+    let mine = folder.file(
+        "mine.toml",
+        b"name = \"Mine\"\norder = 1\ncite = \"nowhere\"\ntableau = '''\n0 |\n--+--\n| 1\n'''\n",
+    );
+    let out = folder.path("out");
+    let shown = printed(&["stability", &mine, "--out", &out]);
+    // Euler's circle about -1.
+    assert!(shown.contains("stable for") && shown.contains("mine-stability.svg"), "{shown}");
+    let wrong = folder.file("wrong.toml", b"tableu = 1\n");
+    let before = folder.names();
+    let under = format!("{mine}/out");
+    for (args, says) in [
+        (&["dp45"][..], "did you mean dp54?"),
+        (&[], "<NAME>"),
+        (&[&wrong], ":1: unknown key"),
+        (&["no-such.toml"], "no-such.toml cannot be read"),
+        (&["sobel3"], "there is no method"),
+        (&["dp54", "--out", &under], "choose a folder with --out"),
+        (&["dp54", "--json"], "--json"),
+    ] {
+        let line = complaint(&[&["stability"], args].concat(), 2);
+        assert!(line.contains(says), "{args:?}: {line:?} does not say {says:?}");
+    }
+    assert_eq!(folder.names(), before, "what is refused writes nothing");
+}
