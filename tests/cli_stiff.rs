@@ -44,8 +44,8 @@ fn hard_prints_a_table() {
     let row = lines.iter().find(|line| line.contains("curtiss-hirschfelder")).expect("a row");
     assert_eq!(row.split_whitespace().filter(|cell| cell.contains('.')).count(), 5, "{table}");
     assert!(table.contains("ros3p: 5 of 5 runs that ended pass") && table.contains("0 stopped"), "{table}");
-    // Every name of a hard problem is one that the command takes; `,` parts two of them.
-    assert!(cases().iter().any(|case| case.name == "robertson-40, algebraic"));
+    // A comma parts two names.
+    assert!(cases().iter().all(|case| !case.name.contains(',')));
 }
 
 #[test]

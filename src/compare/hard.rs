@@ -35,8 +35,8 @@ type Derivatives = Rc<dyn Fn(f64, &Vec<f64>, &mut Jacobian<f64>)>;
 /// A stiff problem of the catalogue, its types forgotten, so that the solver is compiled once for all.
 #[derive(Clone)]
 pub struct Case {
-    /// The problem's; with its jumps told to the solver, `jump, declared`; with an equation of it replaced by a
-    /// conserved sum, `robertson-40, algebraic`.
+    /// The problem's; with its jumps told to the solver, `jump-declared`; with an equation of it replaced by a
+    /// conserved sum, `robertson-40-algebraic`.
     pub name: String,
     pub about: &'static str,
     /// The number of components.
@@ -139,7 +139,7 @@ pub fn cases() -> Vec<Case> {
             self.0.push(case.clone());
             if !problem.breaks().is_empty() {
                 self.0.push(Case {
-                    name: format!("{}, declared", P::NAME),
+                    name: format!("{}-declared", P::NAME),
                     breaks: problem.breaks(),
                     ..case
                 });
@@ -172,7 +172,7 @@ fn with_the_sum(case: &Case) -> Case {
         (0..3).for_each(|column| j[(2, column)] = 1.0);
     };
     Case {
-        name: format!("{}, algebraic", RobertsonUntil40::NAME),
+        name: format!("{}-algebraic", RobertsonUntil40::NAME),
         mass: Some(|m| (m[(0, 0)], m[(1, 1)]) = (1.0, 1.0)),
         system: Erased { rhs: Rc::new(rhs), jacobian: Rc::new(jacobian) },
         ..case.clone()
