@@ -49,6 +49,36 @@
 //! [`Ivp::jacobian`] gives it. [`methods::Bdf`] chooses its order with its step, and so does
 //! [`methods::Adams`] where nothing is stiff and f costs much.
 //!
+//! # Large and differential-algebraic systems
+//!
+//! ```
+//! use kutta::{Pattern, methods::Rodas5p, solve};
+//!
+//! // Heat in a rod of 500 points, both ends held: the first and the last equation are algebraic.
+//! let n = 500;
+//! let rod = |_t: f64, y: &Vec<f64>, dy: &mut Vec<f64>| {
+//!     for i in 1..n - 1 {
+//!         dy[i] = 1e4 * (y[i - 1] - 2.0 * y[i] + y[i + 1]);
+//!     }
+//!     (dy[0], dy[n - 1]) = (y[0], y[n - 1] - 1.0);
+//! };
+//! let mut start = vec![0.0; n];
+//! start[n - 1] = 1.0;
+//! let run = solve(rod, start, 0.0..100.0)
+//!     .with(Rodas5p)
+//!     .pattern(Pattern::banded(n, 1, 1))
+//!     .mass(|m| (1..n - 1).for_each(|i| m[(i, i)] = 1.0))
+//!     .run()?;
+//! assert!((run.y[250] - 250.0 / 499.0).abs() < 1e-5);
+//! # Ok::<(), kutta::Stopped<Vec<f64>>>(())
+//! ```
+//!
+//! A [`Pattern`] tells which entries of the Jacobian can be other than zero: the linear systems are then
+//! banded or sparse, and a difference of f serves many columns at once. [`Ivp::detect_pattern`] finds it. [`Dual`]
+//! makes the Jacobian of a right-hand side that is generic over its numbers. [`Ivp::mass`] solves
+//! M y' = f(t, y), also where M is singular; [`Ivp::consistent`] mends a start that its algebraic equations
+//! do not allow.
+//!
 //! # Steps of one size, for a scene
 //!
 //! ```
@@ -74,13 +104,14 @@ mod solve;
 mod step;
 pub mod tableau;
 
-pub use linear::{Jacobian, Mass, Misplaced, Pattern};
+pub use linear::{Dual, Field, Jacobian, Mass, Misplaced, Pattern};
+pub use num_dual::DualNum;
 pub use solve::auto::{Auto, Choice, Reason};
 pub use solve::control::Controller;
 pub use solve::event::Crossing;
 pub use solve::ivp::{Ivp, solve, solve_second, solve_split};
+pub use solve::leg::{Adaptive, Fixed, Pace};
 pub use solve::outcome::{Interpolant, Occurrence, Rejections, Solution, Stats, Stopped, Why};
-pub use solve::run::{Adaptive, Fixed, Pace};
 pub use solve::steps::Steps;
 pub use solve::watch::Step;
 pub use step::method::{Loaded, Method};

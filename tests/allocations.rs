@@ -4,7 +4,7 @@ use kutta::methods::{
     Ab4, Abm4Pece, Adams, Bdf, Bdf3, CashKarp54, Dop853, Dp54, Euler, ForestRuth4, Kvaerno5, RadauIia3, Rk4,
     Rodas5p, VelocityVerlet, Verlet,
 };
-use kutta::{Crossing, Ivp, Loaded, Method, Scalar, State, Stats, methods, solve, solve_second};
+use kutta::{Crossing, Ivp, Loaded, Method, Pattern, Scalar, State, Stats, methods, solve, solve_second};
 use num_complex::Complex;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -129,6 +129,34 @@ fn nalgebra_vectors() {
 fn faer_columns() {
     every_family("Col of 2", &faer::Col::from_fn(2, |i| 1.0 - 0.5 * i as f64));
     every_family("Col of 1000", &faer::Col::from_fn(1000, |i| 1.0 / (1.0 + i as f64)));
+}
+
+/// Matrices of every storage are taken once, whatever factors them; those that faer factors too.
+#[test]
+fn matrices() {
+    // faer chooses its kernels when it is called first.
+    let first = solve(turn::<Vec<f64>>, vec![0.25; 60], 0.0..1.0).with(Rodas5p).run();
+    assert!(first.is_ok());
+    let turn = turn::<Vec<f64>>;
+    let pairs = (0..60).map(|i| (i, i ^ 1));
+    for (what, pattern) in [
+        ("small dense", Pattern::dense(20)),
+        ("dense", Pattern::dense(60)),
+        ("banded", Pattern::banded(60, 1, 1)),
+        ("sparse", Pattern::sparse(60, pairs).unwrap()),
+    ] {
+        let n = pattern.n();
+        let run = |t1: f64| {
+            let ivp = solve(turn, vec![0.25; n], 0.0..t1).rtol(1e-5).atol(1e-5);
+            ivp.pattern(pattern.clone()).mass(|m| (0..n).for_each(|i| m[(i, i)] = 1.0))
+        };
+        let check = |method: &str, run: &dyn Fn(f64) -> Stats| {
+            assert_steps_do_not_allocate(&format!("{what} matrix, {method}"), run);
+        };
+        check("rodas5p", &|t1| run(t1).with(Rodas5p).run().unwrap().stats);
+        check("kvaerno5", &|t1| run(t1).with(Kvaerno5).run().unwrap().stats);
+        check("radau-iia3", &|t1| run(t1).with(RadauIia3).run().unwrap().stats);
+    }
 }
 
 /// What looks on allocates when it saves, and not before.

@@ -137,7 +137,7 @@ fn two_of_three(m: &mut Mass<f64>) {
 
 #[test]
 fn robertson_as_an_algebraic_problem_has_the_digits_of_the_equation() {
-    let best = ["rodas5p", "rodas4p", "radau-iia3", "radau-iia2", "kvaerno5", "kencarp4-esdirk"];
+    let best = ["rodas5p", "rodas4p", "radau-iia3", "kvaerno5", "kencarp4-esdirk"];
     let ends = [(40.0, RobertsonUntil40.reference()), (1e11, RobertsonUntil1e11.reference())];
     for (end, reference) in ends {
         let reference = reference.unwrap();
@@ -350,7 +350,7 @@ fn a_regular_mass_matrix_is_as_good_as_dividing_by_it() {
 
 #[test]
 fn bdf_starts_from_implicit_steps() {
-    for method in implicit().into_iter().filter(|m| m.name().starts_with("bdf")) {
+    for method in implicit().into_iter().filter(|m| m.name().starts_with("bdf") && m.form().orders == 0) {
         assert!(!matches!(method.form().stages(), Stages::Full));
         let ivp = solve(mixed, mixed_exact(0.0), 0.0..1.6).with(method.clone()).mass(mixed_mass);
         let run = ivp.step(0.01).every_step().run().unwrap();

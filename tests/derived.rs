@@ -77,7 +77,9 @@ fn every_method_has_what_its_family_has() {
             assert_eq!(p.evaluations + p.fsal as usize, p.stages, "{name}");
         }
         // No order is claimed too low, and rounding costs digits, not orders.
-        let largest = if p.zero_stable.is_some() { 1e4 } else { 10.0 };
+        // The trees of order 13 weigh a formula's error constant with up to 13!.
+        let steps_back = if p.members.is_empty() { 1e4 } else { 1e5 };
+        let largest = if p.zero_stable.is_some() { steps_back } else { 10.0 };
         assert!((1e-9..largest).contains(&p.principal_error), "{name}: {}", p.principal_error);
         assert!(p.embedded_errors.iter().all(|error| (1e-9..largest).contains(error)), "{name}");
         assert!(p.residual_f64 < 1e-10 && p.residual_f32 < 0.04, "{name}");

@@ -1,8 +1,8 @@
 //! A method entered for a problem, with its types forgotten: what is timed inside is compiled for both.
 
 use crate::solve::ivp::Ivp;
+use crate::solve::leg::{Adaptive, Fixed, Pace};
 use crate::solve::outcome::{Solution, Stats, Stopped, Why};
-use crate::solve::run::{Adaptive, Fixed, Pace};
 use crate::solve::watch::Step;
 use crate::step::method::Method;
 use crate::step::state::State;

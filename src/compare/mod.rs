@@ -28,7 +28,7 @@ mod truth;
 pub use analyse::{Cost, cost_at, fastest_at, ranking_at};
 pub use truth::Reference;
 
-use crate::solve::run::{Adaptive, Fixed};
+use crate::solve::leg::{Adaptive, Fixed};
 use crate::step::method::Method;
 use crate::step::state::State;
 use crate::step::system::{System, Verdict};

@@ -161,8 +161,7 @@ pub(crate) fn by_differences<Y: State>(
             if done.is_ok() {
                 for &j in columns {
                     // The step that was taken, after rounding.
-                    let step = signed(moved.as_slice()[j] - y.as_slice()[j], turn * size(j));
-                    let per = RealOf::<Y>::one() / step;
+                    let per = RealOf::<Y>::one() / ahead(moved.as_slice()[j] - y.as_slice()[j]);
                     let entry = |i: usize| (changed.as_slice()[i] - slope.as_slice()[i]).scale(per);
                     match groups {
                         None => {
@@ -203,16 +202,20 @@ impl Groups {
     pub fn of(pattern: &Arc<Pattern>) -> Self {
         Self { pattern: pattern.clone(), columns: Arc::new(pattern.groups()) }
     }
+
+    pub fn pattern(&self) -> &Pattern {
+        &self.pattern
+    }
+
+    pub fn columns(&self) -> &[Vec<usize>] {
+        &self.columns
+    }
 }
 
 /// The real part as far as its sign goes: for complex numbers any direction will do.
 fn ahead<T: Scalar>(slope: T) -> T::Real {
     let forth = (slope + T::one().scale(slope.modulus())).modulus();
     if forth >= slope.modulus() { slope.modulus() } else { -slope.modulus() }
-}
-
-fn signed<T: Scalar>(step: T, like: T::Real) -> T::Real {
-    if like < T::Real::zero() { -step.modulus() } else { step.modulus() }
 }
 
 /// h df/dt, given or by a difference inside the step of size h from `t` to `end`, into `out`: times may be so short that

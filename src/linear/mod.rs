@@ -2,6 +2,7 @@
 
 mod band;
 mod detect;
+mod dual;
 mod eigen;
 mod faer_lu;
 mod jacobian;
@@ -12,6 +13,7 @@ mod pair;
 mod pattern;
 
 pub(crate) use detect::detect;
+pub use dual::{Dual, Field};
 pub(crate) use eigen::{Eigen, roots};
 pub(crate) use jacobian::{Effort, Groups, by_differences, time_derivative};
 pub use jacobian::{Jacobian, Layout};
@@ -42,6 +44,27 @@ pub trait Square<T: Scalar>: Clone {
     fn factor(&mut self) -> Result<(), usize>;
     /// Solves for a right-hand side, in place, after [`factor`](Self::factor).
     fn solve(&mut self, x: &mut [T]);
+}
+
+/// Calls `with` for every entry that can be other than zero: its row, its column, its value.
+pub(crate) fn each_entry<T: Scalar>(matrix: &impl Square<T>, mut with: impl FnMut(usize, usize, T)) {
+    let entries = matrix.entries();
+    match matrix.layout() {
+        Layout::Dense { n } => {
+            for (j, column) in entries.chunks_exact(n.max(1)).enumerate() {
+                column.iter().enumerate().for_each(|(i, &entry)| with(i, j, entry));
+            }
+        }
+        Layout::In(pattern) => {
+            for j in 0..pattern.n() {
+                for i in pattern.column(j) {
+                    if let Some(at) = pattern.place(i, j) {
+                        with(i, j, entries[at]);
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// What is known of the matrices of a problem before it runs.
@@ -168,6 +191,90 @@ mod tests {
         assert!(residual::<f64, Large<f64>>(40, wave(40)) < 1e-12);
         let turned = |i, j| Complex::new(wave(9)(i, j), wave(9)(j + 1, i));
         assert!(residual::<Complex<f64>, Large<Complex<f64>>>(9, turned) < 1e-13);
+    }
+
+    /// Solves A x = b for a pattern whose diagonal is small, so that rows change places, and looks at A x - b.
+    fn residual_in<T: Scalar>(pattern: Pattern, entry: impl Fn(usize, usize) -> T) -> f64 {
+        let n = pattern.n();
+        let mut matrix = Large::<T>::new(&Arc::new(pattern.clone()));
+        for j in 0..n {
+            for i in pattern.column(j) {
+                let (layout, entries) = matrix.split();
+                entries[layout.place(i, j).unwrap()] = entry(i, j);
+            }
+        }
+        let mut worst = 0.0f64;
+        // A second factorization in the room of the first.
+        for turn in 0..2 {
+            let b: Vec<T> = (0..n).map(|i| entry(i, (3 * i + turn) % n.max(1))).collect();
+            let (mut factors, mut x) = (matrix.clone(), b.clone());
+            if turn == 1 {
+                factors.factor().unwrap();
+                let (_, entries) = factors.split();
+                entries.copy_from_slice(matrix.entries());
+            }
+            factors.factor().unwrap();
+            factors.clone().solve(&mut x);
+            let mut ax = vec![T::zero(); n];
+            for (j, &x) in x.iter().enumerate() {
+                pattern.column(j).for_each(|i| ax[i] = ax[i] + entry(i, j) * x);
+            }
+            for (ax, b) in ax.into_iter().zip(b) {
+                worst = worst.max(crate::step::scalar::Real::to_f64((ax - b).modulus()));
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn every_storage_solves_to_rounding() {
+        use crate::tableau::DoubleDouble;
+        // Below every third place of the diagonal stands a larger entry.
+        let real = |i: usize, j: usize| {
+            let large = if i % 3 == 1 && i == j + 1 { 4.0 } else { f64::from(i == j) };
+            0.1 * ((3 * i + 7 * j * j) as f64).sin() + large
+        };
+        let pair = |i, j| Pair { re: real(i, j), im: real(j + 1, i) };
+        let turned = |i, j| Complex::new(real(i, j), real(j + 1, i));
+        for n in [1, 2, 3, 5, 60] {
+            let scattered = (0..n).flat_map(|i| [(i, (7 * i + 3) % n), ((5 * i + 1) % n, i)]);
+            let patterns = [
+                Pattern::dense(n),
+                Pattern::banded(n, 1, 1),
+                Pattern::banded(n, 2, 2),
+                Pattern::banded(n, 3, 3),
+                Pattern::banded(n, 4, 1),
+                Pattern::banded(n, 0, 2),
+                Pattern::sparse(n, scattered).unwrap(),
+            ];
+            for pattern in patterns {
+                // The dense ones have conditions of a few hundred.
+                let what = format!("{n}, {pattern:?}");
+                assert!(residual_in::<f64>(pattern.clone(), real) < 1e-12, "{what}");
+                assert!(residual_in::<f32>(pattern.clone(), |i, j| real(i, j) as f32) < 1e-3, "{what}");
+                assert!(residual_in::<Complex<f64>>(pattern.clone(), turned) < 1e-12, "{what}");
+                assert!(residual_in::<Pair<f64>>(pattern.clone(), pair) < 1e-12, "{what}");
+                let double = |i, j| DoubleDouble::of(real(i, j));
+                assert!(residual_in::<DoubleDouble>(pattern.clone(), double) < 1e-27, "{what}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_singular_matrix_is_told_in_every_storage() {
+        let n = 60;
+        for pattern in [Pattern::dense(n), Pattern::banded(n, 1, 1), Pattern::sparse(n, [(0, 50)]).unwrap()] {
+            let mut matrix = Large::<f64>::new(&Arc::new(pattern.clone()));
+            matrix.add_identity();
+            assert_eq!(matrix.factor(), Ok(()), "{pattern:?}");
+            let at = matrix.layout().place(17, 17).unwrap();
+            let mut matrix = Large::<f64>::new(&Arc::new(pattern.clone()));
+            matrix.add_identity();
+            matrix.split().1[at] = 0.0;
+            assert!(matrix.factor().is_err(), "{pattern:?}");
+            matrix.split().1[at] = f64::NAN;
+            assert!(matrix.factor().is_err(), "{pattern:?}");
+        }
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub use pollution::Pollution;
 pub use relaxation::{CurtissHirschfelder, ExponentialDecay, ProtheroRobinson};
 pub use springs::{HarmonicOscillator, SpringChain, StiffSpringOverdamped, StiffSpringUnderdamped};
 
-use crate::{Jacobian, OutOfDomain, State, System};
+use crate::{Jacobian, OutOfDomain, Pattern, State, System};
 use std::f64::consts::PI;
 
 /// An initial value problem y' = f(t, y), y(t0) = y0.
@@ -127,6 +127,15 @@ impl<P: Problem> System<P::Y> for Equation<P> {
     fn jacobian(&mut self, t: f64, y: &P::Y, j: &mut Jacobian<f64>) -> bool {
         self.0.jacobian(t, y, |row, column, value| j[(row, column)] += value);
         true
+    }
+    fn pattern(&self) -> Option<Pattern> {
+        // Small matrices are dense, and their places not worth the search.
+        if P::Y::INLINE {
+            return None;
+        }
+        let (y, mut places) = (self.0.y0(), vec![]);
+        self.0.jacobian(self.0.span().0, &y, |row, column, _| places.push((row, column)));
+        Pattern::of(y.as_ref().len(), places).ok()
     }
 }
 

@@ -3,8 +3,8 @@
 use super::blame::not_finite;
 use super::control::Control;
 use super::ivp::Structure;
+use super::leg::{Leg, Pace};
 use super::outcome::{Why, first_non_finite};
-use super::run::{Leg, Pace};
 use super::start::{History, fill, first_step, small_step, starter, steps_behind};
 use super::steps::Steps;
 use super::watch::Flow;

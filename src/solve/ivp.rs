@@ -3,8 +3,8 @@
 use super::auto::Auto;
 use super::control::Controller;
 use super::event::{Crossing, Event, Then};
+use super::leg::{Adaptive, Fixed, Pace};
 use super::outcome::{Solution, Stopped};
-use super::run::{Adaptive, Fixed, Pace};
 use super::steps::Steps;
 use super::watch::Step;
 use crate::linear::{ConstantMass, Jacobian, Mass, Misplaced, Pattern};

@@ -1,13 +1,10 @@
 //! The loop: from a start to an end, step by step, fixed or adaptive.
 
 use super::blame::{first_slope_is_finite, not_finite, vote};
-use super::control::Control;
-use super::outcome::{Stats, Why};
-use super::stiffness::Stiffness;
+use super::leg::{Ended, Leg, Pace, Rules};
+use super::outcome::Why;
 use super::watch::{Flow, Watch};
-use crate::step::implicit::Solver;
 use crate::step::method::{Known, Method};
-use crate::step::norm::Tolerance;
 use crate::step::row::form_of;
 use crate::step::scalar::{Arith, Fused, Plain, Real, Rolled, Scalar};
 use crate::step::state::{RealOf, State};
@@ -15,107 +12,6 @@ use crate::step::stepper::{Stepper, View, unseen_slope};
 use crate::step::system::System;
 use num_traits::One;
 use std::marker::PhantomData;
-
-/// How the step is chosen: a type, so that only one of the two loops is compiled into a run.
-pub trait Pace {
-    const ADAPTIVE: bool;
-}
-
-/// Steps of one size.
-#[derive(Clone, Copy, Debug)]
-pub struct Fixed;
-/// Steps chosen from the error estimate.
-#[derive(Clone, Copy, Debug)]
-pub struct Adaptive;
-
-impl Pace for Fixed {
-    const ADAPTIVE: bool = false;
-}
-
-impl Pace for Adaptive {
-    const ADAPTIVE: bool = true;
-}
-
-/// Limits and tolerances of a run.
-#[derive(Clone)]
-pub(crate) struct Rules<R> {
-    pub tolerance: Tolerance<R>,
-    pub min_step: R,
-    pub max_step: R,
-    pub max_steps: u64,
-    /// Take the step that the last but one error asks for, so that no step waits for its own error.
-    pub late: bool,
-}
-
-/// A stretch of a run without breaks: everything the loop works on.
-pub(crate) struct Leg<M: Method, Y: State, S> {
-    pub stepper: Stepper<M, Y>,
-    pub system: S,
-    pub t: RealOf<Y>,
-    /// Where the last step ends: at `stop`, or right before it where f jumps there.
-    pub end: RealOf<Y>,
-    /// The time that then has come.
-    pub stop: RealOf<Y>,
-    /// Signed. Fixed: the size of all steps; adaptive: of the next one.
-    pub h: RealOf<Y>,
-    /// Fixed: `t = origin + index h`, up to `steps`.
-    pub origin: RealOf<Y>,
-    pub index: u64,
-    pub steps: u64,
-    /// Adaptive: what rounding took from t so far.
-    pub lost: RealOf<Y>,
-    pub control: Control,
-    /// For implicit stages.
-    pub solver: Option<Box<Solver<Y>>>,
-    pub stats: Stats,
-    /// F_0 is there before the first attempt.
-    pub known: bool,
-    /// The size of the last accepted step.
-    pub last: RealOf<Y>,
-    /// Looks for the beginning or the end of stiffness.
-    pub stiffness: Option<Stiffness>,
-}
-
-impl<M: Method, Y: State, S> Leg<M, Y, S> {
-    /// The same leg with another system, and its own.
-    pub fn with<T>(self, system: T) -> (Leg<M, Y, T>, S) {
-        let Leg { stepper, system: own, t, end, stop, h, origin, index, steps, lost, .. } = self;
-        let Leg { control, solver, stats, known, last, stiffness, .. } = self;
-        let leg = Leg {
-            stepper,
-            system,
-            t,
-            end,
-            stop,
-            h,
-            origin,
-            index,
-            steps,
-            lost,
-            control,
-            solver,
-            stats,
-            known,
-            last,
-            stiffness,
-        };
-        (leg, own)
-    }
-}
-
-/// How a leg ended.
-pub(crate) enum Ended {
-    Reached,
-    /// A step was taken, and the next is to wait.
-    Paused,
-    /// The observer asked for it.
-    Stopped,
-    /// An event changed the state: a new leg begins at the leg's `t`.
-    Changed,
-    /// Stiffness began, or ended.
-    Turned,
-    Failed(Why),
-}
 
 /// Runs a leg with the widest arithmetic that keeps its promise: adaptive steps may fuse products and
 /// sums; fixed steps give the same bits on every machine, so only long vectors are dispatched, unfused.
@@ -195,6 +91,8 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
     let implicit = const { M::READ || !Known::<M>::FORM.explicit() } && solver.is_some();
     // The order is chosen with the step.
     let varies = const { M::READ || Known::<M>::FORM.orders > 0 } && form.orders > 0;
+    // Factors serve for as long as the step is the same.
+    let settles = implicit && !varies && !form.linear;
     // The stage that was refused when the step was last cut, until the step grows again.
     let mut edge = None;
     // Steps of one size that nobody looks at: the method and nothing else. The one that fails, if one does, is
@@ -358,7 +256,7 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
             && stats.accepted >= look
             && let Some(stiffness) = &mut stiffness
         {
-            turned = match &solver {
+            turned = match &mut solver {
                 Some(solver) if const { M::READ } => stiffness.ends(solver.reach(step)),
                 _ => lend(&stepper, |s| stiffness.begins(s, &rules.tolerance)),
             };
@@ -389,6 +287,10 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
                 _ => control.accepted(square),
             };
             let next_step = step * RealOf::<Y>::from_f64(factor);
+            let next_step = match &solver {
+                Some(solver) if settles => solver.settled(step, next_step),
+                _ => next_step,
+            };
             // A step cut short by the end says nothing about the size that was wanted.
             let next_step = if lands && next_step.modulus() < h.modulus() { h } else { next_step };
             let fresh = next_step.minimum(rules.max_step).maximum(-rules.max_step);

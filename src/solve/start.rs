@@ -1,7 +1,7 @@
 //! How a run starts: the carried vectors filled from what they mean, and the size of the first step.
 
+use super::leg::Rules;
 use super::outcome::{Stats, first_non_finite};
-use super::run::Rules;
 use crate::methods;
 use crate::step::method::{Loaded, Method};
 use crate::step::scalar::{Real, Scalar};

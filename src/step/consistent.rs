@@ -1,7 +1,8 @@
 //! How M y' = f(t, y) with a singular M starts: the slope, which M does not give in every direction, and whether y
 //! fulfils the algebraic equations.
 
-use super::implicit::{Solver, finite, subtract};
+use super::derivative::subtract;
+use super::implicit::{Solver, finite};
 use super::norm::Tolerance;
 use super::scalar::{Real, Scalar};
 use super::state::{RealOf, State};
@@ -57,7 +58,7 @@ impl<Y: State> Solver<Y> {
         let span = (end - t).modulus().to_f64();
         let mut turns = 0;
         let (d, lasts) = loop {
-            self.weigh(y);
+            self.weigh(y, RealOf::<Y>::zero());
             self.restart();
             self.take(system, t, end - t, y)?;
             self.slope(system, t, y)?;

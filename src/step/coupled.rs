@@ -1,7 +1,8 @@
 //! All stages at once: Newton's iteration on a fully implicit table, decoupled by the eigenvectors of its A
 //! (Butcher 1976, BIT 16, 237; Hairer, Wanner 1996, IV.8).
 
-use super::implicit::{finite, subtract};
+use super::derivative::subtract;
+use super::implicit::finite;
 use super::iteration::Iteration;
 use super::scalar::{Real, Scalar};
 use super::state::{RealOf, State};

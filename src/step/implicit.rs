@@ -12,10 +12,8 @@ use super::split::Stiff;
 use super::state::{RealOf, State};
 use super::stepper::{Refused, Unsolved, View, is_one};
 use super::system::System;
-use crate::linear::{
-    ConstantMass, Effort, Groups, Jacobian, Known, Pattern, Square, by_differences, factor_shifted,
-};
-use crate::tableau::{DoubleDouble, Form, Meaning, Stages};
+use crate::linear::{ConstantMass, Effort, Groups, Known, Pattern, Square, factor_shifted};
+use crate::tableau::{DoubleDouble, Form, Stages};
 use num_traits::{One, Zero};
 use std::sync::Arc;
 
@@ -33,7 +31,7 @@ pub(super) struct Factors<R, Q> {
 pub(crate) struct Solver<Y: State> {
     pub(super) jacobian: Y::Square,
     /// Columns whose differences are taken together.
-    groups: Option<Groups>,
+    pub(super) groups: Option<Groups>,
     /// M of M y' = f(t, y); `None` for the identity.
     pub(super) mass: Option<Arc<ConstantMass<Y::Scalar>>>,
     /// The Jacobian is that of the start of the step.
@@ -41,7 +39,7 @@ pub(crate) struct Solver<Y: State> {
     /// There is a Jacobian at all.
     pub(super) known: bool,
     /// A step was accepted: its slopes are there.
-    begun: bool,
+    pub(super) begun: bool,
     pub(super) factors: Vec<Factors<RealOf<Y>, Y::Square>>,
     /// f at the start of the step, and `span` df/dt, where a Rosenbrock method took the Jacobian.
     pub(super) slope: Y,
@@ -50,10 +48,10 @@ pub(crate) struct Solver<Y: State> {
     /// One over the size that matters, component by component.
     pub(super) weights: Y,
     pub(super) residual: Y,
-    tolerance: Tolerance<RealOf<Y>>,
-    adaptive: bool,
-    iteration: Iteration,
-    coupled: Option<Coupled<Y>>,
+    pub(super) tolerance: Tolerance<RealOf<Y>>,
+    pub(super) adaptive: bool,
+    pub(super) iteration: Iteration,
+    pub(super) coupled: Option<Coupled<Y>>,
     /// The slope at the start of the step is there.
     pub(super) sloped: bool,
     /// The size of the last attempt, if it was accepted.
@@ -151,7 +149,8 @@ impl<Y: State> Solver<Y> {
     ) -> Result<(), Refused> {
         let powers = powers(h);
         let (x, out) = words.split_at_mut(form.r + form.s);
-        self.weigh(&x[0]);
+        let moves = if self.adaptive { h - h } else { self.moves(form, x, system, t, powers[form.d])? };
+        self.weigh(&x[0], moves);
         if form.orders > 0 {
             return self.nordsieck(form, x, out, system, (t, end), h);
         }
@@ -193,21 +192,6 @@ impl<Y: State> Solver<Y> {
         Ok(())
     }
 
-    pub(super) fn weigh(&mut self, y: &Y) {
-        let least = RealOf::<Y>::TINY;
-        let mut largest = RealOf::<Y>::zero();
-        for y in y.as_slice() {
-            largest = largest.maximum(y.modulus());
-        }
-        for (i, (w, y)) in self.weights.as_mut_slice().iter_mut().zip(y.as_slice()).enumerate() {
-            let (rtol, atol) = self.tolerance.at(i);
-            // Without a tolerance, rounding is measured against the whole vector.
-            let size = if self.adaptive { atol + rtol * y.modulus() } else { rtol * largest };
-            let size = size.maximum(RealOf::<Y>::EPSILON * RealOf::<Y>::EPSILON * largest).maximum(least);
-            *w = Y::Scalar::one().scale(RealOf::<Y>::one() / size);
-        }
-    }
-
     /// Takes the Jacobian of what the stages solve for.
     fn renew<S: System<Y>>(
         &mut self,
@@ -220,53 +204,6 @@ impl<Y: State> Solver<Y> {
         let taken =
             if form.split() { self.take(&mut Stiff(system), t, h, y) } else { self.take(system, t, h, y) };
         taken.map_err(|why| Refused { stage: 0, why })
-    }
-
-    /// Takes the Jacobian at the start of the step.
-    pub(super) fn take<S: System<Y>>(
-        &mut self,
-        system: &mut S,
-        t: RealOf<Y>,
-        h: RealOf<Y>,
-        y: &Y,
-    ) -> Result<(), Unsolved> {
-        // Should it fail, there is none.
-        (self.here, self.known) = (false, false);
-        self.iteration.forget();
-        if let Some(coupled) = &mut self.coupled {
-            coupled.forget();
-        }
-        self.factors.iter_mut().for_each(|f| f.hg = RealOf::<Y>::zero());
-        let mut given = Jacobian::zero(&mut self.jacobian);
-        if system.jacobian(t, y, &mut given) {
-            if let Some((row, column)) = given.outside() {
-                return Err(Unsolved::OutsidePattern { row, column });
-            }
-            self.effort.jacobians += 1;
-        } else {
-            self.slope(system, t, y)?;
-            by_differences(
-                system,
-                t,
-                y,
-                &self.slope,
-                (&mut self.time, &mut self.residual),
-                &self.weights,
-                h,
-                if self.mass.is_some() { RealOf::<Y>::one() } else { RealOf::<Y>::zero() },
-                self.groups.as_ref(),
-                &mut self.jacobian,
-                &mut self.effort,
-            )
-            .map_err(|_| Unsolved::Domain)?;
-        }
-        match self.jacobian.entries().iter().position(|x| !x.finite()) {
-            Some(at) => Err(Unsolved::Jacobian { component: self.jacobian.layout().row_at(at) }),
-            None => {
-                (self.here, self.known) = (true, true);
-                Ok(())
-            }
-        }
     }
 
     /// Factors of M - h g J for the diagonal g, made where they are not there.
@@ -288,116 +225,6 @@ impl<Y: State> Solver<Y> {
             .map_err(|component| Unsolved::Singular { component })?;
         factors.hg = hg;
         Ok(())
-    }
-
-    /// Stage after stage: Y = g + h a f(t, Y) by Newton's iteration on the slope F, so that no residual is
-    /// multiplied by the stiffness: (M - h a J) dF = f(t, g + h a F) - M F.
-    fn diagonal<S: System<Y>>(
-        &mut self,
-        form: &Form,
-        x: &mut [Y],
-        out: &mut [Y],
-        system: &mut S,
-        (t, end): (RealOf<Y>, RealOf<Y>),
-        h: RealOf<Y>,
-        known: bool,
-    ) -> Result<(), Refused> {
-        let powers = powers(h);
-        for (i, row) in form.stage[..form.s].iter().enumerate() {
-            let refused = |why| Refused { stage: i, why };
-            let at = stage_time(form.c[i], t, end, h);
-            if row.copies() {
-                if !(known && i == 0) {
-                    let (z, f) = x.split_at_mut(form.r);
-                    self.effort.evaluations += counted(form.nonstiff[i], system);
-                    let base = row.base.unwrap_or(0);
-                    let given = match form.nonstiff[i] {
-                        true => system.nonstiff(at, &z[base], &mut f[i]),
-                        false => system.rhs(at, &z[base], &mut f[i]),
-                    };
-                    given.map_err(|_| refused(Unsolved::Domain))?;
-                    finite(&f[i]).map_err(refused)?;
-                }
-                continue;
-            }
-            assemble_read::<Plain, Y>(&mut out[0], row, &powers, x);
-            if row.diagonal.hi() == 0.0 {
-                self.effort.evaluations += counted(form.nonstiff[i], system);
-                let slope = &mut x[form.r + i];
-                let given = match form.nonstiff[i] {
-                    true => system.nonstiff(at, &out[0], slope),
-                    false => system.rhs(at, &out[0], slope),
-                };
-                given.map_err(|_| refused(Unsolved::Domain))?;
-                finite(&x[form.r + i]).map_err(refused)?;
-                continue;
-            }
-            // The first guess is the slope of the stage before; the first stage's is the newest there is.
-            let from = match i {
-                0 => (0..form.r).find(|&j| form.means[j] == Meaning::F(0)).unwrap_or(form.r + form.s - 1),
-                i => form.r + i - 1 - form.split() as usize,
-            };
-            if i == 0 && from >= form.r && !self.begun {
-                // A slope far from where the solution wants to be would be larger than all that follows.
-                x[form.r].as_mut_slice().fill(Y::Scalar::zero());
-            } else if let Ok([to, from]) = x.get_disjoint_mut([form.r + i, from]) {
-                to.as_mut_slice().copy_from_slice(from.as_slice());
-            }
-            let factors = self.factored(row.diagonal, powers[form.d]).map_err(refused)?;
-            self.iterate(factors, system, at, &mut out[0], &mut x[form.r + i]).map_err(refused)?;
-        }
-        Ok(())
-    }
-
-    /// `y` comes in as g and leaves as Y, `slope` comes in as a guess of F.
-    fn iterate<S: System<Y>>(
-        &mut self,
-        factors: usize,
-        system: &mut S,
-        t: RealOf<Y>,
-        y: &mut Y,
-        slope: &mut Y,
-    ) -> Result<(), Unsolved> {
-        let Factors { hg, matrix, .. } = &mut self.factors[factors];
-        let (hg, n) = (*hg, slope.as_slice().len() as f64);
-        for (y, f) in y.as_mut_slice().iter_mut().zip(slope.as_slice()) {
-            *y = *y + f.scale(hg);
-        }
-        let mut iteration = self.iteration;
-        loop {
-            self.effort.evaluations += 1;
-            self.effort.iterations += 1;
-            system.rhs(t, y, &mut self.residual).map_err(|_| Unsolved::Domain)?;
-            finite(&self.residual)?;
-            subtract(&mut self.residual, self.mass.as_deref(), slope);
-            matrix.solve(self.residual.as_mut_slice());
-            let mut square = 0.0;
-            let corrections = self.residual.as_slice().iter().zip(self.weights.as_slice());
-            let unknowns = y.as_mut_slice().iter_mut().zip(slope.as_mut_slice());
-            for ((y, f), (&d, &w)) in unknowns.zip(corrections) {
-                *f = *f + d;
-                let change = d.scale(hg);
-                *y = *y + change;
-                square += (change * w).square().to_f64();
-            }
-            if let Some(done) = iteration.judge((square / n).sqrt()) {
-                self.iteration.learn(&iteration);
-                return done;
-            }
-        }
-    }
-
-    /// A bound of h |lambda| for all eigenvalues lambda of the Jacobian last taken: its largest row sum in units of
-    /// what matters.
-    pub fn reach(&self, h: RealOf<Y>) -> f64 {
-        let (entries, layout, weights) =
-            (self.jacobian.entries(), self.jacobian.layout(), self.weights.as_slice());
-        let row = |i: usize| {
-            let at = |j: usize| layout.place(i, j).map_or(Y::Scalar::zero(), |at| entries[at]);
-            let entry = |j: usize| (at(j) * weights[i] / weights[j]).modulus().to_f64();
-            (0..weights.len()).map(entry).sum::<f64>()
-        };
-        h.modulus().to_f64() * (0..weights.len()).map(row).fold(0.0, f64::max)
     }
 
     /// f at the start of the step.
@@ -458,26 +285,6 @@ impl<Y: State> Solver<Y> {
         );
         self.iteration.learn(&solved.map_err(refused)?);
         Ok(())
-    }
-}
-
-/// Of a system in one part, the other is nothing to evaluate.
-fn counted<Y: State, S: System<Y>>(nonstiff: bool, system: &S) -> u64 {
-    u64::from(!nonstiff || system.is_split())
-}
-
-/// `residual -= M slope`.
-#[inline(always)]
-pub(super) fn subtract<Y: State>(residual: &mut Y, mass: Option<&ConstantMass<Y::Scalar>>, slope: &Y) {
-    match mass {
-        None => {
-            for (r, f) in residual.as_mut_slice().iter_mut().zip(slope.as_slice()) {
-                *r = *r - *f;
-            }
-        }
-        Some(mass) => {
-            mass.add_product(residual.as_mut_slice(), -RealOf::<Y>::one(), slope.as_slice());
-        }
     }
 }
 

@@ -2,8 +2,11 @@
 
 pub(crate) mod consistent;
 pub(crate) mod coupled;
+pub(crate) mod derivative;
+pub(crate) mod diagonal;
 pub(crate) mod implicit;
 pub(crate) mod iteration;
+pub(crate) mod measure;
 pub(crate) mod method;
 pub(crate) mod nordsieck;
 pub(crate) mod norm;

@@ -9,7 +9,7 @@ use super::implicit::Solver;
 use super::nordsieck::Nordsieck;
 use super::scalar::{Real, Scalar};
 use super::state::State;
-use crate::linear::Square;
+use crate::linear::each_entry;
 use crate::tableau::{Corrector, Form};
 use num_complex::Complex;
 use num_traits::{One, Zero};
@@ -99,13 +99,11 @@ impl<Y: State> Solver<Y> {
 
     /// J e into the residual, or J times the residual into `time`.
     fn times_jacobian(&mut self, e: &Y, again: bool) {
-        let n = e.as_slice().len();
         let (to, from) = if again { (&mut self.time, &self.residual) } else { (&mut self.residual, e) };
         let to = to.as_mut_slice();
         to.fill(Y::Scalar::zero());
-        for (column, &x) in self.jacobian.entries().chunks_exact(n.max(1)).zip(from.as_slice()) {
-            to.iter_mut().zip(column).for_each(|(to, &j)| *to = *to + j * x);
-        }
+        let from = from.as_slice();
+        each_entry(&self.jacobian, |i, k, entry| to[i] = to[i] + entry * from[k]);
     }
 }
 
