@@ -6,8 +6,8 @@ mod common;
 use common::{Folder, complaint, json, keys, printed};
 use kutta::compare::hard::{PROMISED, TOLERANCES, cases};
 
-/// A line of one component, whose runs take no time, solved by a method of few stages.
-const CHEAP: [&str; 5] = ["hard", "--method", "ros3p", "--problem", "curtiss-hirschfelder"];
+/// One component and a method that takes few steps: runs that take no time.
+const CHEAP: [&str; 5] = ["hard", "--method", "rodas5p", "--problem", "curtiss-hirschfelder"];
 
 #[test]
 fn hard_gives_a_row_for_every_tolerance() {
@@ -19,7 +19,7 @@ fn hard_gives_a_row_for_every_tolerance() {
     for row in rows {
         let all = ["accepted", "allowed", "error", "evaluations", "factorizations", "jacobians", "method"];
         assert_eq!(keys(row), [&all[..], &["problem", "reason", "stopped", "tolerance"]].concat(), "{row}");
-        assert_eq!((&row["method"], &row["problem"]), (&"ros3p".into(), &"curtiss-hirschfelder".into()));
+        assert_eq!((&row["method"], &row["problem"]), (&"rodas5p".into(), &"curtiss-hirschfelder".into()));
         assert!(row["allowed"].as_f64() >= Some(PROMISED), "{row}");
         // Steps too many for the time end the ladder: then the row says so.
         let Some(error) = row["error"].as_f64() else {
@@ -40,10 +40,10 @@ fn hard_prints_a_table() {
     let table = printed(&CHEAP);
     let lines: Vec<_> = table.lines().collect();
     let heading = lines.iter().find(|line| line.contains("1e-11")).expect("tolerances");
-    assert!(heading.contains("ros3p") && heading.contains("1e-3"), "{table}");
+    assert!(heading.contains("rodas5p") && heading.contains("1e-3"), "{table}");
     let row = lines.iter().find(|line| line.contains("curtiss-hirschfelder")).expect("a row");
     assert_eq!(row.split_whitespace().filter(|cell| cell.contains('.')).count(), 5, "{table}");
-    assert!(table.contains("ros3p: 5 of 5 runs that ended pass") && table.contains("0 stopped"), "{table}");
+    assert!(table.contains("rodas5p: 5 of 5 runs that ended pass") && table.contains("0 stopped"), "{table}");
     // A comma parts two names.
     assert!(cases().iter().all(|case| !case.name.contains(',')));
 }
@@ -84,10 +84,16 @@ fn stability_writes_pictures_and_prints_limits() {
     ] {
         let shown = printed(&["stability", name, "--out", &out]);
         assert!(says.iter().all(|says| shown.contains(says)), "{name}: {shown}");
-        assert!(shown.ends_with(&format!("{name}-stability.svg and {name}-stability.png are in {out}\n")), "{shown}");
+        assert!(
+            shown.ends_with(&format!("{name}-stability.svg and {name}-stability.png are in {out}\n")),
+            "{shown}"
+        );
         let (svg, png) = (format!("{out}/{name}-stability.svg"), format!("{out}/{name}-stability.png"));
         let svg = std::fs::read_to_string(svg).unwrap();
-        assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>") && svg.contains(name), "{name}");
+        assert!(
+            svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>") && svg.contains(name),
+            "{name}"
+        );
         assert!(std::fs::read(png).unwrap().starts_with(b"\x89PNG"), "{name}");
     }
     assert_eq!(std::fs::read_dir(&out).unwrap().count(), 8, "nothing else is left");

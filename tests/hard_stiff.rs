@@ -40,7 +40,9 @@ fn contest(methods: &[Loaded]) -> (Vec<String>, usize) {
                     }
                     Err(Why::TooManySteps { .. }) => break,
                     // Not every method takes a mass matrix.
-                    Err(Why::Invalid(what)) if case.name.ends_with("algebraic") && what.contains("M y'") => break,
+                    Err(Why::Invalid(what)) if case.name.ends_with("algebraic") && what.contains("M y'") => {
+                        break;
+                    }
                     Err(why) => faults.push(format!("{name} on {} at {tolerance:e}: {why}", case.name)),
                 }
             }

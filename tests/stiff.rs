@@ -86,9 +86,8 @@ impl Visit for Contest {
 
 #[test]
 fn every_adaptive_method_solves_the_stiff_problems_or_says_that_it_does_not() {
-    let weak = |m: &Loaded| {
-        property(m.name()).l_stable != Some(true) || m.form().order < 5 || m.form().split()
-    };
+    let weak =
+        |m: &Loaded| property(m.name()).l_stable != Some(true) || m.form().order < 5 || m.form().split();
     let adaptive = implicit().into_iter().filter(|m| m.form().adaptive());
     let mut contest = Contest { methods: adaptive.map(|m| (m.clone(), weak(&m))).collect(), met: 0 };
     assert!(contest.methods.len() > 30, "{}", contest.methods.len());

@@ -138,11 +138,7 @@ pub fn cases() -> Vec<Case> {
             };
             self.0.push(case.clone());
             if !problem.breaks().is_empty() {
-                self.0.push(Case {
-                    name: format!("{}-declared", P::NAME),
-                    breaks: problem.breaks(),
-                    ..case
-                });
+                self.0.push(Case { name: format!("{}-declared", P::NAME), breaks: problem.breaks(), ..case });
             }
         }
     }
