@@ -2,7 +2,7 @@
 //! says that they do.
 
 use kutta::tableau::Stability;
-use kutta::{Controller, Jacobian, Loaded, Method, methods, solve, solve_second};
+use kutta::{Controller, Jacobian, Loaded, Method, methods, solve, solve_second, solve_split};
 use std::sync::LazyLock;
 
 type Complex = num_complex::Complex<f64>;
@@ -50,9 +50,16 @@ fn sizes(method: &Loaded, m: [[f64; 2]; 2], h: f64, steps: usize) -> Vec<f64> {
     let jacobian = move |_t: f64, _y: &[f64; 2], j: &mut Jacobian<f64>| {
         (0..4).for_each(|k| j[(k / 2, k % 2)] += m[k / 2][k % 2]);
     };
-    let ivp = solve(f, [1.0, 0.0], 0.0..h * steps as f64).jacobian(jacobian);
-    // A rough start wakes every root of a method with a history.
-    let run = ivp.with(method.clone()).start_with(methods::Euler).step(h).every_step().run();
+    let span = 0.0..h * steps as f64;
+    let run = if method.form().split() {
+        // What is told of a pair is its explicit table.
+        let none = |_t: f64, _y: &[f64; 2], dy: &mut [f64; 2]| *dy = [0.0; 2];
+        solve_split(none, f, [1.0, 0.0], span).with(method.clone()).step(h).every_step().run()
+    } else {
+        // A rough start wakes every root of a method with a history.
+        let ivp = solve(f, [1.0, 0.0], span).jacobian(jacobian).with(method.clone());
+        ivp.start_with(methods::Euler).step(h).every_step().run()
+    };
     let (ys, more) = match run {
         Ok(solution) => (solution.ys, None),
         Err(stopped) => (stopped.solution.ys, Some(f64::INFINITY)),
