@@ -14,10 +14,10 @@ struct Known {
     history: bool,
 }
 
-/// Every method that steps.
+/// Every method that takes steps of one size.
 static ALL: LazyLock<Vec<Known>> = LazyLock::new(|| {
     let known = |m: &methods::Entry| {
-        let method = Loaded::parse(m.name, m.text).ok()?;
+        let method = Loaded::parse(m.name, m.text).ok().filter(|m| m.form().orders == 0)?;
         Some(Known { method, stability: m.tableau().stability(), history: m.path.contains("/multistep/") })
     };
     methods::all().iter().filter_map(known).collect()
