@@ -1,68 +1,11 @@
 //! The binary: its JSON, its exit codes, and one clear line for every bad input.
 #![cfg(feature = "cli")]
 
-use serde_json::Value;
+mod common;
+
+use common::{Scratch, complaint, json, keys, printed, text};
 use std::io::Read;
-use std::path::PathBuf;
-use std::process::{Command, Output, Stdio};
-
-fn kutta(args: &[&str]) -> Output {
-    let root = env!("CARGO_MANIFEST_DIR");
-    Command::new(env!("CARGO_BIN_EXE_kutta")).args(args).current_dir(root).output().expect("the binary runs")
-}
-
-fn text(bytes: &[u8]) -> &str {
-    std::str::from_utf8(bytes).expect("UTF-8")
-}
-
-/// What a command prints that ends well.
-fn printed(args: &[&str]) -> String {
-    let output = kutta(args);
-    assert!(output.status.success(), "{args:?}: {}", text(&output.stderr));
-    assert!(output.stderr.is_empty(), "{args:?}: {}", text(&output.stderr));
-    text(&output.stdout).to_string()
-}
-
-fn json(args: &[&str]) -> Value {
-    serde_json::from_str(&printed(args)).unwrap_or_else(|error| panic!("{args:?}: {error}"))
-}
-
-/// The one line of a command that fails with this code.
-fn complaint(args: &[&str], code: i32) -> String {
-    let output = kutta(args);
-    assert_eq!(output.status.code(), Some(code), "{args:?}: {}", text(&output.stderr));
-    assert!(output.stdout.is_empty(), "{args:?} prints {}", text(&output.stdout));
-    let line = text(&output.stderr).strip_suffix('\n').expect("a line");
-    assert!(!line.is_empty() && !line.contains('\n'), "{args:?}: not one line: {line:?}");
-    line.to_string()
-}
-
-fn keys(value: &Value) -> Vec<&str> {
-    let mut keys: Vec<_> = value.as_object().expect("an object").keys().map(String::as_str).collect();
-    keys.sort_unstable();
-    keys
-}
-
-/// A file of this test alone, gone when it ends.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new(name: &str, content: &[u8]) -> Self {
-        let path = std::env::temp_dir().join(format!("kutta-{}-{name}", std::process::id()));
-        std::fs::write(&path, content).unwrap();
-        Self(path)
-    }
-
-    fn path(&self) -> &str {
-        self.0.to_str().unwrap()
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        std::fs::remove_file(&self.0).unwrap();
-    }
-}
+use std::process::{Command, Stdio};
 
 const MINE: &[u8] = b"name = \"Mine\"\norder = 2\ncite = \"nowhere\"\n\
     tableau = '''\n0 |\n1/2 | 1/2\n--+--\n| 0 1\n'''\n";

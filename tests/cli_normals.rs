@@ -2,69 +2,20 @@
 //! every bad input.
 #![cfg(feature = "cli")]
 
+mod common;
+
+use common::{Folder, complaint, printed};
 use std::fs;
-use std::path::PathBuf;
-use std::process::{Command, Output};
-
-fn kutta(args: &[&str]) -> Output {
-    let root = env!("CARGO_MANIFEST_DIR");
-    Command::new(env!("CARGO_BIN_EXE_kutta")).args(args).current_dir(root).output().expect("the binary runs")
-}
-
-/// What a command prints that ends well.
-fn printed(args: &[&str]) -> String {
-    let output = kutta(args);
-    let errors = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success() && errors.is_empty(), "{args:?}: {errors}");
-    String::from_utf8(output.stdout).unwrap()
-}
 
 /// The one line of a command that is refused.
-fn complaint(args: &[&str]) -> String {
-    let output = kutta(args);
-    let errors = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{args:?}: {errors}");
-    assert!(output.stdout.is_empty(), "{args:?}");
-    let line = errors.strip_suffix('\n').expect("a line");
-    assert!(!line.is_empty() && !line.contains('\n'), "{args:?}: not one line: {line:?}");
-    line.to_string()
+fn refused(args: &[&str]) -> String {
+    complaint(args, 2)
 }
 
-/// A folder of this test alone, gone when it ends.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("kutta-{}-{name}", std::process::id()));
-        fs::create_dir(&path).unwrap();
-        Self(path)
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.join(name).to_str().unwrap().to_string()
-    }
-
-    /// Floats as a raw file.
-    fn raw(&self, name: &str, texels: impl IntoIterator<Item = f32>) -> String {
-        let bytes: Vec<u8> = texels.into_iter().flat_map(f32::to_le_bytes).collect();
-        fs::write(self.path(name), bytes).unwrap();
-        self.path(name)
-    }
-
-    fn names(&self) -> Vec<String> {
-        let mut names: Vec<_> = fs::read_dir(&self.0)
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
-        names.sort();
-        names
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        fs::remove_dir_all(&self.0).unwrap();
-    }
+/// A raw file of floats in the folder: its path.
+fn raw_file(folder: &Folder, name: &str, texels: impl IntoIterator<Item = f32>) -> String {
+    let bytes: Vec<u8> = texels.into_iter().flat_map(f32::to_le_bytes).collect();
+    folder.file(name, &bytes)
 }
 
 /// A picture of three channels: its width and its pixels.
@@ -90,7 +41,7 @@ fn ramp(size: usize) -> impl Iterator<Item = f32> {
 #[test]
 fn bake_writes_every_format() {
     let folder = Folder::new("formats");
-    let height = folder.raw("ramp.f32", ramp(16));
+    let height = raw_file(&folder, "ramp.f32", ramp(16));
     let bake = |out: &str, more: &[&str]| {
         let out = folder.path(out);
         let line =
@@ -163,7 +114,7 @@ fn bake_says_what_8_bit_heights_are_good_for() {
     let wave = |i: usize| 0.5 + 0.5 * ((i % 64) as f32 * std::f32::consts::TAU / 64.0).sin();
     let eight = folder.path("wave.u8");
     fs::write(&eight, (0..64 * 64).map(|i| (wave(i) * 255.0).round() as u8).collect::<Vec<_>>()).unwrap();
-    let float = folder.raw("wave.f32", (0..64 * 64).map(wave));
+    let float = raw_file(&folder, "wave.f32", (0..64 * 64).map(wave));
     let out = folder.path("out.png");
     let bake = |height: &str| {
         printed(&["bake", height, &out, "--size", "64x64", "--stencil", "central8", "--height-scale", "20"])
@@ -193,7 +144,7 @@ fn bake_takes_a_stencil_file() {
     });
     assert!(a == b);
     fs::write(&mine, fs::read_to_string(shipped).unwrap().replace("1/2", "1/3")).unwrap();
-    let line = complaint(&["bake", "docs/dome.png", &folder.path("c.png"), "--stencil", &mine]);
+    let line = refused(&["bake", "docs/dome.png", &folder.path("c.png"), "--stencil", &mine]);
     assert!(line.starts_with(&mine), "{line}");
     assert_eq!(folder.names(), ["a.png", "b.png", "mine.toml"]);
 }
@@ -292,7 +243,7 @@ fn parallax_raises_what_is_high() {
     let size = 64;
     // A step of four texels' height between the rows 16 and 48, counted from the top.
     let rows = |i: usize| if (16..48).contains(&(i / size)) { 4.0 } else { 0.0 };
-    let height = folder.raw("step.f32", (0..size * size).map(rows));
+    let height = raw_file(&folder, "step.f32", (0..size * size).map(rows));
     let out = folder.path("lit.png");
     let common =
         ["--size", "64x64", "--pixels", "256", "--view", "30", "--light", "90,45", "--stencil", "forward2"];
@@ -347,16 +298,16 @@ fn bad_input_is_refused_in_one_line_and_leaves_nothing() {
     let whole = fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/brick.png")).unwrap();
     let cut = folder.path("cut.png");
     fs::write(&cut, &whole[..whole.len() / 2]).unwrap();
-    let holes = folder.raw("holes.f32", [0.0, f32::NAN, 1.0, f32::INFINITY]);
+    let holes = raw_file(&folder, "holes.f32", [0.0, f32::NAN, 1.0, f32::INFINITY]);
     let names = folder.names();
     let before = names.clone();
     for command in ["bake", "light"] {
-        let refuse = |height: &str, more: &[&str]| complaint(&[&[command, height, &png], more].concat());
+        let refuse = |height: &str, more: &[&str]| refused(&[&[command, height, &png], more].concat());
         for (line, says) in [
-            (complaint(&[command]), "<HEIGHT> <OUT>"),
-            (complaint(&[command, brick]), "<OUT>"),
-            (complaint(&[command, brick, "out.jpg"]), "out.jpg"),
-            (complaint(&[command, brick, "no-such-folder/out.png"]), "no-such-folder/out.png"),
+            (refused(&[command]), "<HEIGHT> <OUT>"),
+            (refused(&[command, brick]), "<OUT>"),
+            (refused(&[command, brick, "out.jpg"]), "out.jpg"),
+            (refused(&[command, brick, "no-such-folder/out.png"]), "no-such-folder/out.png"),
             (refuse("no-such-file.png", &[]), "no-such-file.png: No such file"),
             (refuse("docs", &[]), "docs: it is a folder"),
             (refuse("Cargo.toml", &[]), "Cargo.toml: neither PNG"),
@@ -383,16 +334,16 @@ fn bad_input_is_refused_in_one_line_and_leaves_nothing() {
             refuse(&holes, &["--size", "2x2"]).ends_with("--missing border takes such heights for a border")
         );
     }
-    let bake = |more: &[&str]| complaint(&[&["bake", brick, &png], more].concat());
-    let light = |more: &[&str]| complaint(&[&["light", brick, &png], more].concat());
+    let bake = |more: &[&str]| refused(&[&["bake", brick, &png], more].concat());
+    let light = |more: &[&str]| refused(&[&["light", brick, &png], more].concat());
     for (line, says) in [
         (bake(&["--format", "f32"]), "a PNG holds no floats"),
         (bake(&["--format", "rgb10"]), "rgb16"),
         (bake(&["--format", "rg8", "--best-fit"]), "--best-fit"),
         (bake(&["--green", "left"]), "down"),
         (bake(&["--error-map", "e.png"]), ".pfm or .raw"),
-        (complaint(&["bake", brick, &raw, "--error-map", &raw]), "named for the error map too"),
-        (complaint(&["bake", brick, "out.pfm", "--format", "rgb8"]), "floats only"),
+        (refused(&["bake", brick, &raw, "--error-map", &raw]), "named for the error map too"),
+        (refused(&["bake", brick, "out.pfm", "--format", "rgb8"]), "floats only"),
         (light(&["--light", "90"]), "azimuth and elevation"),
         (light(&["--light", "90,91"]), "from -90 to 90"),
         (light(&["--view", "0"]), "from 1 to 90"),
@@ -401,7 +352,7 @@ fn bad_input_is_refused_in_one_line_and_leaves_nothing() {
         (light(&["--shape", "torus"]), "cylinder"),
         (light(&["--pixels", "0"]), "from 1 to 4096"),
         (light(&["--pixels", "4096", "--texel-size", "1,1e6"]), "--pixels"),
-        (complaint(&["light", brick, &raw]), "PNG"),
+        (refused(&["light", brick, &raw]), "PNG"),
     ] {
         assert!(line.contains(says), "{line:?} does not say {says:?}");
     }
@@ -414,7 +365,7 @@ fn a_failed_bake_keeps_the_old_file() {
     let folder = Folder::new("old");
     let out = folder.path("out.png");
     fs::write(&out, "old").unwrap();
-    complaint(&["bake", "Cargo.toml", &out]);
+    refused(&["bake", "Cargo.toml", &out]);
     assert_eq!((fs::read(&out).unwrap(), folder.names()), (b"old".to_vec(), vec!["out.png".to_string()]));
     printed(&["bake", "docs/dome.png", &out]);
     assert_eq!((picture(&out).0, folder.names().len()), (128, 1));

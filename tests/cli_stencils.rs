@@ -1,58 +1,9 @@
 //! The binary on stencils: lists, pictures, files given at run time, and one clear line for bad input.
 
+mod common;
+
+use common::{Scratch, complaint, json as json_of, printed};
 use serde_json::{Value, json};
-use std::path::PathBuf;
-use std::process::{Command, Output};
-
-fn kutta(args: &[&str]) -> Output {
-    let root = env!("CARGO_MANIFEST_DIR");
-    Command::new(env!("CARGO_BIN_EXE_kutta")).args(args).current_dir(root).output().expect("the binary runs")
-}
-
-fn text(bytes: &[u8]) -> &str {
-    std::str::from_utf8(bytes).expect("UTF-8")
-}
-
-/// What a command prints that ends well.
-fn printed(args: &[&str]) -> String {
-    let output = kutta(args);
-    assert!(output.status.success(), "{args:?}: {}", text(&output.stderr));
-    text(&output.stdout).to_string()
-}
-
-fn json_of(args: &[&str]) -> Value {
-    serde_json::from_str(&printed(args)).unwrap_or_else(|error| panic!("{args:?}: {error}"))
-}
-
-/// The one line of a command that fails with this code.
-fn complaint(args: &[&str], code: i32) -> String {
-    let output = kutta(args);
-    assert_eq!(output.status.code(), Some(code), "{args:?}: {}", text(&output.stderr));
-    let line = text(&output.stderr).strip_suffix('\n').expect("a line");
-    assert!(!line.is_empty() && !line.contains('\n'), "{args:?}: not one line: {line:?}");
-    line.to_string()
-}
-
-/// A file of this test alone, gone when it ends.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new(name: &str, content: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("kutta-{}-{name}", std::process::id()));
-        std::fs::write(&path, content).unwrap();
-        Self(path)
-    }
-
-    fn path(&self) -> &str {
-        self.0.to_str().unwrap()
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        std::fs::remove_file(&self.0).unwrap();
-    }
-}
 
 const LANCZOS: &str = "name = \"Lanczos 5\"\norder = 2\ncite = \"Lanczos 1956\"\n\
     stencil = '''\n-2 | -1/5\n-1 | -1/10\n1 | 1/10\n2 | 1/5\n'''\n";
@@ -97,7 +48,7 @@ fn show_draws_a_stencil() {
 
 #[test]
 fn files_are_added_shown_and_checked() {
-    let mine = Scratch::new("lanczos5.toml", LANCZOS);
+    let mine = Scratch::new("lanczos5.toml", LANCZOS.as_bytes());
     let list = json_of(&["stencils", "--stencil", mine.path(), "--json"]);
     let item = list.as_array().unwrap().last().unwrap();
     assert_eq!((&item["title"], &item["taps"]), (&json!("Lanczos 5"), &json!(4)));
@@ -109,7 +60,7 @@ fn files_are_added_shown_and_checked() {
 
 #[test]
 fn bad_input_is_refused_in_one_line() {
-    let wrong = Scratch::new("wrong.toml", &LANCZOS.replace("2 | 1/5\n'''", "2 | 1/4\n'''"));
+    let wrong = Scratch::new("wrong.toml", LANCZOS.replace("2 | 1/5\n'''", "2 | 1/4\n'''").as_bytes());
     let says = format!("{}: the moment M_00 is off by 5e-2: the weights must sum to 0", wrong.path());
     assert_eq!(complaint(&["check", wrong.path()], 1), says);
     for args in [vec!["stencils", "--stencil", wrong.path()], vec!["show", wrong.path()]] {

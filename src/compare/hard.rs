@@ -11,8 +11,8 @@
 //! # Ok::<(), kutta::Why>(())
 //! ```
 
-use crate::linear::Jacobian;
-use crate::problems::{Problem, Visit, visit_all};
+use crate::linear::{Jacobian, Mass};
+use crate::problems::{Problem, RobertsonUntil40, Visit, visit_all};
 use crate::solve::ivp::Ivp;
 use crate::solve::outcome::{Stats, Why};
 use crate::step::method::{Loaded, Method};
@@ -35,7 +35,8 @@ type Derivatives = Rc<dyn Fn(f64, &Vec<f64>, &mut Jacobian<f64>)>;
 /// A stiff problem of the catalogue, its types forgotten, so that the solver is compiled once for all.
 #[derive(Clone)]
 pub struct Case {
-    /// The problem's; with its jumps told to the solver, `jump, declared`.
+    /// The problem's; with its jumps told to the solver, `jump-declared`; with an equation of it replaced by a
+    /// conserved sum, `robertson-40-algebraic`.
     pub name: String,
     pub about: &'static str,
     /// The number of components.
@@ -44,6 +45,8 @@ pub struct Case {
     y0: Vec<f64>,
     span: (f64, f64),
     breaks: &'static [f64],
+    /// M of M y' = f(t, y); the identity where there is none.
+    mass: Option<fn(&mut Mass<f64>)>,
     /// The size below which a component counts as zero.
     scale: f64,
     reference: Vec<f64>,
@@ -66,8 +69,9 @@ impl Case {
         let small = 0.01 * self.scale;
         let run =
             Ivp::new(self.system.clone(), self.y0.clone(), self.span.0..self.span.1).with(method.clone());
-        let run = run.rtol(rtol).atol(rtol * small).max_steps(max_steps).breaks(self.breaks).run();
-        let solution = run.map_err(|stopped| stopped.why)?;
+        let run = run.rtol(rtol).atol(rtol * small).max_steps(max_steps).breaks(self.breaks);
+        let run = if let Some(mass) = self.mass { run.mass(mass) } else { run };
+        let solution = run.run().map_err(|stopped| stopped.why)?;
         let off = |(y, r): (&f64, &f64)| (y - r).abs() / (r.abs() + small);
         // A NaN is the worst.
         let worse = |worst: f64, off: f64| if off <= worst { worst } else { off };
@@ -112,7 +116,7 @@ impl Case {
 }
 
 /// The stiff problems whose solution is known, of moderate size; those with jumps come a second time with the
-/// jumps declared.
+/// jumps declared, and Robertson's with an algebraic equation.
 pub fn cases() -> Vec<Case> {
     struct Collect(Vec<Case>);
     impl Visit for Collect {
@@ -127,23 +131,50 @@ pub fn cases() -> Vec<Case> {
                 y0: problem.y0().as_ref().to_vec(),
                 span: problem.span(),
                 breaks: &[],
+                mass: None,
                 scale: problem.scale(),
                 reference: reference.as_ref().to_vec(),
                 system: Erased::of(&problem),
             };
             self.0.push(case.clone());
             if !problem.breaks().is_empty() {
-                self.0.push(Case {
-                    name: format!("{}, declared", P::NAME),
-                    breaks: problem.breaks(),
-                    ..case
-                });
+                self.0.push(Case { name: format!("{}-declared", P::NAME), breaks: problem.breaks(), ..case });
             }
         }
     }
     let mut all = Collect(vec![]);
     visit_all(&mut all);
+    let algebraic = all.0.iter().find(|case| case.name == RobertsonUntil40::NAME).map(with_the_sum);
+    all.0.extend(algebraic);
     all.0
+}
+
+/// Robertson's problem with y1 + y2 + y3 = 1 in place of its third equation: M = diag(1, 1, 0).
+fn with_the_sum(case: &Case) -> Case {
+    let p = RobertsonUntil40;
+    let state = |y: &[f64]| [y[0], y[1], y[2]];
+    let rhs = move |t: f64, y: &Vec<f64>, dy: &mut Vec<f64>| {
+        let mut slope = [0.0; 3];
+        p.rhs(t, &state(y), &mut slope);
+        slope[2] = y[0] + y[1] + y[2] - 1.0;
+        dy.copy_from_slice(&slope);
+    };
+    let jacobian = move |t: f64, y: &Vec<f64>, j: &mut Jacobian<f64>| {
+        p.jacobian(t, &state(y), |row, column, value| {
+            if row < 2 {
+                j[(row, column)] += value;
+            }
+        });
+        (0..3).for_each(|column| j[(2, column)] = 1.0);
+    };
+    Case {
+        name: format!("{}-algebraic", RobertsonUntil40::NAME),
+        mass: Some(|m| (m[(0, 0)], m[(1, 1)]) = (1.0, 1.0)),
+        // The sum is 1 to rounding, and knows nothing of amounts below that.
+        scale: 1e-3,
+        system: Erased { rhs: Rc::new(rhs), jacobian: Rc::new(jacobian) },
+        ..case.clone()
+    }
 }
 
 #[derive(Clone)]

@@ -237,10 +237,10 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
                 self.stats.rejected.non_finite += 1;
                 return Err(why);
             }
-            let next = if i == steps { stop } else { next };
+            let (asked, next) = (next, if i == steps { stop } else { next });
             if self.watch.active() {
                 let calls = &mut self.stats.evaluations;
-                let flow = self.watch.show(first.view(), &mut system, self.t, h, next, calls);
+                let flow = self.watch.show(first.view(), &mut system, self.t, h, (asked, next), calls);
                 if mass {
                     self.watch.dense.next_step();
                 } else {

@@ -148,7 +148,7 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
             Some(attempted) => attempted,
             None => stepper.attempt::<A, S>(&mut system, (t, next), step, known, &mut solver),
         };
-        let next = if lands { stop } else { next };
+        let (asked, next) = (next, if lands { stop } else { next });
         if implicit && let Some(solver) = &mut solver {
             stats.spend(std::mem::take(&mut solver.effort));
         } else {
@@ -230,7 +230,7 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
         let mut flow = Flow::Go;
         if watching {
             let calls = &mut stats.evaluations;
-            flow = lend(&stepper, |s| watch.show(s, &mut system, t, step, next, calls));
+            flow = lend(&stepper, |s| watch.show(s, &mut system, t, step, (asked, next), calls));
             match flow {
                 Flow::Go | Flow::Pause | Flow::Stop => {}
                 Flow::Retry(why) => {

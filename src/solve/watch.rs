@@ -75,7 +75,8 @@ impl<Y: State> Watch<'_, Y> {
         if self.dense.next_step() { Some(self.dense.carried_slope()) } else { None }
     }
 
-    /// A step was attempted and is good. Returns what to do, and counts the evaluations of the dense output.
+    /// A step was attempted and is good. Returns what to do, and counts the evaluations of the dense output. f is
+    /// asked no later than at `asked`, which lies right before `t1` where that is a break.
     #[cold]
     #[inline(never)]
     pub fn show(
@@ -84,17 +85,17 @@ impl<Y: State> Watch<'_, Y> {
         system: &mut dyn System<Y>,
         t: RealOf<Y>,
         h: RealOf<Y>,
-        t1: RealOf<Y>,
+        (asked, t1): (RealOf<Y>, RealOf<Y>),
         evaluations: &mut u64,
     ) -> Flow<RealOf<Y>> {
-        self.look(view, system, (t, t1), h, evaluations).unwrap_or_else(Flow::Retry)
+        self.look(view, system, (t, asked, t1), h, evaluations).unwrap_or_else(Flow::Retry)
     }
 
     fn look(
         &mut self,
         view: View<Y>,
         system: &mut dyn System<Y>,
-        (t, t1): (RealOf<Y>, RealOf<Y>),
+        (t, asked, t1): (RealOf<Y>, RealOf<Y>, RealOf<Y>),
         h: RealOf<Y>,
         evaluations: &mut u64,
     ) -> Result<Flow<RealOf<Y>>, Why> {
@@ -103,12 +104,12 @@ impl<Y: State> Watch<'_, Y> {
         let reached = |time: RealOf<Y>, end: RealOf<Y>| if forward { time <= end } else { time >= end };
 
         if self.dense.follows() {
-            self.dense.prepare(view, system, t, h, t1, evaluations)?;
+            self.dense.prepare(view, system, t, h, asked, evaluations)?;
         }
         // Events first: one of them may end the step early.
         let mut end = t1;
         if !self.events.is_empty() {
-            self.dense.prepare(view, system, t, h, t1, evaluations)?;
+            self.dense.prepare(view, system, t, h, asked, evaluations)?;
             let dense = &self.dense;
             let at = |theta: RealOf<Y>, out: &mut Y| match theta == RealOf::<Y>::one() {
                 true => out.as_mut_slice().copy_from_slice(view.next(0).as_slice()),
@@ -161,10 +162,10 @@ impl<Y: State> Watch<'_, Y> {
             let time = self.times[self.next];
             // The ends of a step are given back as they were computed, to the last bit.
             if time == t1 && end == t1 {
-                self.save_end(view, system, t, h, t1, evaluations)?;
+                self.save_end(view, system, (t, asked, t1), h, evaluations)?;
                 saved = true;
             } else {
-                self.dense.prepare(view, system, t, h, t1, evaluations)?;
+                self.dense.prepare(view, system, t, h, asked, evaluations)?;
                 let theta = (time - t) / h;
                 let mut y = view.y().clone();
                 self.dense.at(view, h, theta, &mut y);
@@ -185,7 +186,7 @@ impl<Y: State> Watch<'_, Y> {
                     self.ys.push(y.clone());
                     self.vs.extend(v.clone());
                 }
-                None => self.save_end(view, system, t, h, t1, evaluations)?,
+                None => self.save_end(view, system, (t, asked, t1), h, evaluations)?,
             }
         }
         if let Some(observer) = &mut self.observer {
@@ -209,14 +210,13 @@ impl<Y: State> Watch<'_, Y> {
         &mut self,
         view: View<Y>,
         system: &mut dyn System<Y>,
-        t: RealOf<Y>,
+        (t, asked, t1): (RealOf<Y>, RealOf<Y>, RealOf<Y>),
         h: RealOf<Y>,
-        t1: RealOf<Y>,
         evaluations: &mut u64,
     ) -> Result<(), Why> {
         if self.second_order {
             let mut v = view.y().clone();
-            self.dense.end_velocity(view, system, t, h, t1, &mut v, evaluations)?;
+            self.dense.end_velocity(view, system, t, h, asked, &mut v, evaluations)?;
             self.vs.push(v);
         }
         self.ts.push(t1);
