@@ -215,6 +215,7 @@ fn singular_matrices_and_nans_are_told_in_every_storage() {
 }
 
 /// y' = -(i + 1) y + y of the neighbour before.
+#[allow(clippy::ptr_arg)] // the state is a Vec
 fn chain<T: kutta::Scalar>(_t: T::Real, y: &Vec<T>, dy: &mut Vec<T>) {
     let mut rate = T::zero();
     for i in 0..y.len() {

@@ -35,16 +35,8 @@ impl Stiffness {
     /// `limit` is the explicit method's [`real_limit`].
     pub fn new(explicit: &Form, limit: f64) -> Self {
         let pairs = (0..explicit.s).flat_map(|j| (0..j).map(move |i| (i, j)));
-        let together = |&(i, j): &(usize, usize)| explicit.c[i].hi() == explicit.c[j].hi();
-        Self {
-            limit,
-            pair: pairs.filter(together).last(),
-            hits: 0,
-            misses: 0,
-            patience: 10,
-            look: 1,
-            seen: 0.0,
-        }
+        let mut together = pairs.filter(|&(i, j)| explicit.c[i].hi() == explicit.c[j].hi());
+        Self { limit, pair: together.next_back(), hits: 0, misses: 0, patience: 10, look: 1, seen: 0.0 }
     }
 
     /// When the next look is due, in accepted steps.

@@ -151,7 +151,8 @@ impl<Y: State> Solver<Y> {
     ) -> Result<(), Refused> {
         let powers = powers(h);
         let (x, out) = words.split_at_mut(form.r + form.s);
-        let moves = if self.adaptive { h - h } else { self.moves(form, x, system, t, powers[form.d])? };
+        let moves =
+            if self.adaptive { RealOf::<Y>::zero() } else { self.moves(form, x, system, t, powers[form.d])? };
         self.weigh(&x[0], moves);
         if form.orders > 0 {
             return self.nordsieck(form, x, out, system, (t, end), h);

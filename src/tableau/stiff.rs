@@ -82,9 +82,9 @@ fn eliminate(matrix: &mut [Vec<D>]) -> Option<[D; STAGES]> {
         }
         for row in column + 1..n {
             let share = matrix[row][column] / matrix[column][column];
-            for j in column..=n {
-                let x = share * matrix[column][j];
-                matrix[row][j] += -x;
+            let (above, below) = matrix.split_at_mut(row);
+            for (x, &pivot) in below[0][column..=n].iter_mut().zip(&above[column][column..=n]) {
+                *x += -(share * pivot);
             }
         }
     }
