@@ -41,7 +41,7 @@ fn all(c: &mut Criterion) {
             measure(c, $problem, "radau-iia5", RadauIia5);
             measure(c, $problem, "kvaerno5", Kvaerno5);
             measure(c, $problem, "bdf", Bdf);
-            measure(c, $problem, "auto", Auto::default());
+            measure(c, $problem, "auto", Auto::new());
         )* };
     }
     each!(VdpMu1000 RobertsonUntil40 Hires Orego Pollution Brusselator1dN40);

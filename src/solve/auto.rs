@@ -28,6 +28,13 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Auto<E = Tsit54>(E);
 
+impl Auto {
+    /// With `Tsit54`, as where no method is named.
+    pub const fn new() -> Self {
+        Self(Tsit54)
+    }
+}
+
 impl<E: Method> Auto<E> {
     /// With another explicit method, which has two stages at the same time.
     pub fn from(explicit: E) -> Self {

@@ -142,7 +142,7 @@ impl<'w, Y: State, S: System<Y>> Ivp<'w, Y, S> {
             mass: None,
             mend: false,
         };
-        Self { system, y0, v0: None, span, method: Auto::default(), options, pace: PhantomData }
+        Self { system, y0, v0: None, span, method: Auto::new(), options, pace: PhantomData }
     }
 
     /// The same as [`solve_second`], for a struct that is a [`System`].
