@@ -184,7 +184,7 @@ fn springs_start_to_swing_up_where_predicted() {
             continue;
         }
         // A quarter must hold some swings.
-        let steps = steps(*history, 20.0 * limit).max(800 + 1600 * *history as usize);
+        let steps = steps(*history, 20.0 * limit).max(1000 + 2000 * *history as usize);
         let unstable = |h: f64| unstable(method, c, h, steps, slack(stability));
         let found = || observed(limit, unstable);
         assert!(begins(limit, unstable), "{}, drag {c}: {}, not {limit}", method.name(), found());
@@ -208,7 +208,7 @@ fn springs_of_second_order_methods_likewise() {
         let limit = stability.limit(0.0) / 20.0;
         // Beyond the limit a composition may be stable again: the first step that is not counts.
         let mut h = 0.05 * limit;
-        let next = |h: f64| h + if h < 0.93 * limit { 0.08 } else { 0.005 } * limit;
+        let next = |h: f64| h + if h < 0.9 * limit { 0.07 } else { 0.005 } * limit;
         while !unstable(next(h)) && h < 2.0 * limit {
             h = next(h);
         }
