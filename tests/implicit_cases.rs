@@ -386,6 +386,7 @@ fn nothing_of_a_rejected_step_is_used() {
             assert_eq!(anew.y, cut.y, "{}", method.name());
         } else {
             for (a, b) in anew.y.iter().zip(&cut.y) {
+                // A family keeps the differences of its first try, as coarse as that was long, and one correction.
                 let most = if method.form().orders > 0 { 2.0 } else { 0.1 };
                 assert!((a - b).abs() < most * 1e-5 * (1.0 + b.abs()), "{}: {a} {b}", method.name());
             }
