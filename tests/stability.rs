@@ -80,10 +80,10 @@ fn grows(sizes: &[f64], slack: f64) -> bool {
     !(last <= (before * (1.0 + slack)).max(1e-12))
 }
 
-/// Steps that show the growth 1 % beyond a limit: of h lambda in a step about. A method with a history must
+/// Steps that show the growth 1.5 % beyond a limit: of h lambda in a step about. A method with a history must
 /// forget its start first.
 fn steps(history: bool, limit: f64) -> usize {
-    if history { (100.0 / limit).clamp(500.0, 8000.0) as usize } else { 40 }
+    if history { (60.0 / limit).clamp(400.0, 5000.0) as usize } else { 40 }
 }
 
 /// What two quarters may differ by: rounding. A method that is stable on the imaginary axis alone has all its
@@ -104,7 +104,7 @@ fn observed(predicted: f64, unstable: impl Fn(f64) -> bool) -> f64 {
 
 /// Steps begin to grow where it is predicted, to one and a half percent, and not before.
 fn begins(predicted: f64, unstable: impl Fn(f64) -> bool) -> bool {
-    [0.1, 0.5, 0.985].iter().all(|part| !unstable(part * predicted)) && unstable(1.015 * predicted)
+    [0.3, 0.985].iter().all(|part| !unstable(part * predicted)) && unstable(1.015 * predicted)
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn steps_grow_from_the_predicted_limit_on() {
             let run = |h: f64| sizes(method, of_lambda(ray(degrees, 1.0)), h, steps(*history, limit));
             let unstable = |h: f64| grows(&run(h), slack + 4e-15 * h);
             if limit == f64::INFINITY {
-                for h in [0.1, 1.1, 30.0, 1e4, 1e10] {
+                for h in [0.3, 30.0, 1e10] {
                     assert!(!unstable(h), "{name} at {degrees} degrees grows with h |lambda| = {h}");
                 }
                 count[0] += 1;
@@ -175,21 +175,20 @@ fn springs_start_to_swing_up_where_predicted() {
     assert!([1e-3, 1e-2].iter().all(|&h| unstable(euler, 0.0, h, 40, 1e-9)));
     assert!((observed(0.009, |h| unstable(euler, 4.0, h, 1000, 1e-9)) - 0.01).abs() < 1e-4);
     let mut count = 0;
+    // Without drag they are the oscillation on the imaginary axis above.
     for Known { method, stability, history } in first_order() {
-        for c in [0.0, 4.0f64] {
-            // Both eigenvalues have the modulus 20, and c / 40 is the cosine of their angle.
-            let limit = stability.limit(if c == 0.0 { 90.0 } else { (c / 40.0).acos().to_degrees() }) / 20.0;
-            if limit == 0.0 || limit == f64::INFINITY {
-                continue;
-            }
-            // With drag a quarter must hold some swings.
-            let least = if c == 0.0 { 0 } else { 1000 + 2000 * *history as usize };
-            let steps = steps(*history, 20.0 * limit).max(least);
-            let unstable = |h: f64| unstable(method, c, h, steps, slack(stability));
-            let found = || observed(limit, unstable);
-            assert!(begins(limit, unstable), "{}, drag {c}: {}, not {limit}", method.name(), found());
-            count += 1;
+        let c = 4.0f64;
+        // Both eigenvalues have the modulus 20, and c / 40 is the cosine of their angle.
+        let limit = stability.limit((c / 40.0).acos().to_degrees()) / 20.0;
+        if limit == 0.0 || limit == f64::INFINITY {
+            continue;
         }
+        // A quarter must hold some swings.
+        let steps = steps(*history, 20.0 * limit).max(1000 + 2000 * *history as usize);
+        let unstable = |h: f64| unstable(method, c, h, steps, slack(stability));
+        let found = || observed(limit, unstable);
+        assert!(begins(limit, unstable), "{}, drag {c}: {}, not {limit}", method.name(), found());
+        count += 1;
     }
     assert!(count > 20, "{count}");
 }
@@ -209,7 +208,7 @@ fn springs_of_second_order_methods_likewise() {
         let limit = stability.limit(0.0) / 20.0;
         // Beyond the limit a composition may be stable again: the first step that is not counts.
         let mut h = 0.05 * limit;
-        let next = |h: f64| h + if h < 0.88 * limit { 0.04 } else { 0.004 } * limit;
+        let next = |h: f64| h + if h < 0.9 * limit { 0.07 } else { 0.005 } * limit;
         while !unstable(next(h)) && h < 2.0 * limit {
             h = next(h);
         }
