@@ -212,7 +212,7 @@ impl fmt::Display for Why {
                 )
             }
             Why::NewtonFailed { stage } => {
-                write!(f, "Newton's iteration failed at stage {stage}, however small the step")
+                write!(f, "the iteration on stage {stage} failed, however small the step")
             }
             Why::Singular { component } => {
                 write!(
