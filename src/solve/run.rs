@@ -10,6 +10,7 @@ use crate::step::scalar::{Arith, Fused, Plain, Real, Rolled, Scalar};
 use crate::step::state::{RealOf, State};
 use crate::step::stepper::{Stepper, View, unseen_slope};
 use crate::step::system::System;
+use crate::tableau::Stages;
 use num_traits::One;
 use std::marker::PhantomData;
 
@@ -91,8 +92,8 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
     let implicit = const { M::READ || !Known::<M>::FORM.explicit() } && solver.is_some();
     // The order is chosen with the step.
     let varies = const { M::READ || Known::<M>::FORM.orders > 0 } && form.orders > 0;
-    // Factors serve for as long as the step is the same.
-    let settles = implicit && !varies && !form.linear;
+    // The factors of stages found together are dear, and serve for as long as the step is the same.
+    let settles = implicit && matches!(form.stages(), Stages::Full);
     // The stage that was refused when the step was last cut, until the step grows again.
     let mut edge = None;
     // Steps of one size that nobody looks at: the method and nothing else. The one that fails, if one does, is

@@ -92,7 +92,7 @@ impl<Y: State> Solver<Y> {
         for (y, f) in y.as_mut_slice().iter_mut().zip(slope.as_slice()) {
             *y = *y + f.scale(hg);
         }
-        let mut iteration = self.iteration;
+        let mut iteration = self.iteration.doubt(self.here);
         loop {
             self.effort.evaluations += 1;
             self.effort.iterations += 1;

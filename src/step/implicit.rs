@@ -283,7 +283,7 @@ impl<Y: State> Solver<Y> {
             slopes,
             &mut out[0],
             &self.weights,
-            self.iteration,
+            self.iteration.doubt(self.here),
             &mut self.effort,
         );
         self.iteration.learn(&solved.map_err(refused)?);

@@ -6,6 +6,9 @@ use super::stepper::Unsolved;
 /// contraction of two thirds, two hundred reach any precision.
 const MOST: [i32; 2] = [10, 200];
 
+/// With a Jacobian of the past at least this share of a first correction is taken to be left.
+const DOUBT: f64 = 0.03;
+
 /// How an iteration converges.
 #[derive(Clone, Copy)]
 pub(super) struct Iteration {
@@ -83,6 +86,14 @@ impl Iteration {
     /// A new Jacobian, of which nothing is known yet.
     pub fn forget(&mut self) {
         (self.slowest, self.factor) = (0.0, 1.0);
+    }
+
+    /// The Jacobian is one of the past: what it was good for says less of what it is.
+    pub fn doubt(mut self, here: bool) -> Self {
+        if !here {
+            self.factor = self.factor.max(DOUBT);
+        }
+        self
     }
 
     /// The Jacobian serves well.
