@@ -79,6 +79,7 @@ fn every_family<Y: State<Scalar: Scalar<Real = f64>>>(what: &str, y: &Y) {
     let check = |method: &str, run: &dyn Fn(f64) -> Stats| {
         assert_steps_do_not_allocate(&format!("{what}, {method}"), run);
     };
+    check("auto", &|t1| run(t1).run().unwrap().stats);
     check("dp54", &|t1| run(t1).with(Dp54).run().unwrap().stats);
     check("dop853", &|t1| run(t1).with(Dop853).run().unwrap().stats);
     check("cash-karp54", &|t1| run(t1).with(CashKarp54).run().unwrap().stats);
@@ -111,6 +112,18 @@ fn arrays() {
     every_family("[f64; 2]", &[1.0, 0.5]);
     every_family("[f64; 40]", &[0.25; 40]);
     every_family("[Complex; 2]", &[Complex::new(1.0, 0.5), Complex::new(0.0, 1.0)]);
+}
+
+/// A method that is chosen takes its room when it is taken up.
+#[test]
+fn a_change_of_method() {
+    let pull = |t: f64, y: &[f64; 1], dy: &mut [f64; 1]| dy[0] = -1e4 * (y[0] - (9.0 * t).cos());
+    let run = |t1: f64| {
+        let run = solve(pull, [1.0], 0.0..t1).rtol(1e-6).atol(1e-6).run().unwrap();
+        assert_eq!(run.choices.len(), 2);
+        run.stats
+    };
+    assert_steps_do_not_allocate("auto, stiff", run);
 }
 
 #[test]

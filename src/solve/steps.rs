@@ -215,7 +215,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         };
         let (left, result) = self.go(leg);
         match left {
-            Left::Leg(leg) => self.leg = Some(*leg),
+            Left::Leg(leg) => self.leg = Some(leg),
             Left::System(system) => self.system = Some(system),
         }
         result
@@ -257,7 +257,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         }
         self.y.as_mut_slice().copy_from_slice(leg.stepper.y().as_slice());
         match ended {
-            Ended::Paused => return (Left::Leg(Box::new(leg)), Ok(())),
+            Ended::Paused => return (Left::Leg(leg), Ok(())),
             Ended::Reached => self.t = self.stops.pop().unwrap_or(leg.t),
             Ended::Stopped => self.done = true,
             Ended::Turned => {
@@ -336,8 +336,9 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
 }
 
 /// What is left of a leg that was run: itself, where it only paused.
+#[allow(clippy::large_enum_variant)] // a box would be an allocation a step
 enum Left<M: Method, Y: State, S> {
-    Leg(Box<Leg<M, Y, S>>),
+    Leg(Leg<M, Y, S>),
     System(S),
 }
 
