@@ -185,7 +185,7 @@ fn relaxation_oscillations_of_any_stiffness_are_followed() {
             }
         }
     }
-    assert!(jumped > 40, "{jumped}");
+    assert!(jumped > 30, "{jumped}");
 }
 
 /// From a y1 that is a little below zero the equation itself runs away, y1' = -4.8e-4 y1^2, to minus millions at 1e11.
