@@ -121,19 +121,20 @@ impl<R: Real> Chooser<R> {
         Self { stiff: false, stiffness: None, choices: vec![] }
     }
 
-    /// Of a run from `t` that begins with an explicit `method`, unless there is a mass matrix. `patterned` says that
+    /// Of a run from `t` that begins with an explicit `method`, unless there is a mass matrix. `patterned` says whether
     /// a Jacobian needs no more room than the problem.
     pub fn new<M: Method>(
         method: &M,
         (t, n): (R, usize),
-        (mass, patterned): (bool, bool),
+        mass: bool,
+        patterned: impl FnOnce() -> bool,
         tolerance: &Tolerance<R>,
     ) -> Self {
         let limit = match const { if M::READ { 0.0 } else { real_limit(Known::<M>::FORM) } } {
             0.0 => real_limit(form_of(method)),
             known => known,
         };
-        let watched = !mass && (n <= DENSE || patterned);
+        let watched = !mass && (n <= DENSE || patterned());
         let first = match mass {
             true => Choice { t, method: stiff_method(tolerance).name().to_string(), reason: Reason::Mass },
             false => Choice { t, method: method.name().to_string(), reason: Reason::Start },

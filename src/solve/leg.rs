@@ -70,11 +70,11 @@ pub(crate) struct Leg<M: Method, Y: State, S> {
 }
 
 impl<M: Method, Y: State, S> Leg<M, Y, S> {
-    /// The same leg with another system, and its own.
-    pub fn with<T>(self, system: T) -> (Leg<M, Y, T>, S) {
-        let Leg { stepper, system: own, t, end, stop, h, origin, index, steps, lost, .. } = self;
+    /// The same leg with another system.
+    pub fn with<T>(self, system: T) -> Leg<M, Y, T> {
+        let Leg { stepper, t, end, stop, h, origin, index, steps, lost, .. } = self;
         let Leg { control, solver, stats, known, last, stiffness, .. } = self;
-        let leg = Leg {
+        Leg {
             stepper,
             system,
             t,
@@ -91,8 +91,7 @@ impl<M: Method, Y: State, S> Leg<M, Y, S> {
             known,
             last,
             stiffness,
-        };
-        (leg, own)
+        }
     }
 }
 

@@ -73,7 +73,6 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         }
         let Ivp { system, y0, v0, span, method, mut options, .. } = ivp;
         let mass = options.mass.is_some();
-        let patterned = !matches!(options.structure, Structure::System) || system.pattern().is_some();
         let auto = const { M::AUTO && P::ADAPTIVE };
         let stiff = (auto && mass).then(|| stiff_method(&options.tolerance));
         let (name, form) = match &stiff {
@@ -117,7 +116,11 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         let stats = Stats::default();
         let h = RealOf::<Y>::zero();
         let chooser = match auto {
-            true => Chooser::new(&method, (t, y0.as_slice().len()), (mass, patterned), &rules.tolerance),
+            true => {
+                let patterned =
+                    || !matches!(options.structure, Structure::System) || system.pattern().is_some();
+                Chooser::new(&method, (t, y0.as_slice().len()), mass, patterned, &rules.tolerance)
+            }
             false => Chooser::named(),
         };
         let mut run = Self {
@@ -226,7 +229,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         let Some(mut system) = self.system.take() else { return Ok(()) };
         let lent = Lent(&mut system);
         let leg = match self.stiff_leg.take() {
-            Some(leg) => ControlFlow::Continue(leg.with(lent).0),
+            Some(leg) => ControlFlow::Continue(leg.with(lent)),
             None => self.begin(stiff_method(&self.rules.tolerance), lent, stop)?,
         };
         let result = match leg {
@@ -234,7 +237,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             ControlFlow::Continue(leg) => {
                 let (left, result) = self.go(leg);
                 if let Left::Leg(leg) = left {
-                    self.stiff_leg = Some(leg.with(()).0);
+                    self.stiff_leg = Some(leg.with(()));
                 }
                 result
             }
