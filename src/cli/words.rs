@@ -62,6 +62,13 @@ pub fn words(p: &Properties) -> String {
             if *blind { "is blind to f(t): it is zero where f depends on t alone" } else { "sees f(t)" };
         line("error estimate", format!("of the embedded order {order} {sees}"));
     }
+    if let Some(misses) = p.estimate_misses.filter(|&misses| misses > 2.0) {
+        let of = if p.kind == Stages::Explicit { "linear equations" } else { "linear or of stiff equations" };
+        line(
+            "error estimate",
+            format!("says too little of {of}: a step may err {} times as much", short(misses)),
+        );
+    }
     if let Some(symplectic) = p.symplectic {
         let symmetric = match p.symmetric {
             Some(true) => ", symmetric",
@@ -220,6 +227,7 @@ pub fn json(p: &Properties) -> Map<String, Value> {
         "sum_b": p.sum_b,
         "max_a": p.max_a,
         "blind": p.blind,
+        "estimate_misses": p.estimate_misses,
         "symplectic": p.symplectic,
         "symmetric": p.symmetric,
         "members": (!p.members.is_empty()).then(|| p.members.iter().map(member_json).collect::<Vec<_>>()),

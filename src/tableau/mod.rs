@@ -1,7 +1,7 @@
 //! Methods as data: a file becomes a [`Tableau`], is proven, and is lowered to the one [`Form`] that steps.
 
 mod collocation;
-mod criteria;
+pub(crate) mod criteria;
 mod derive;
 mod double_double;
 mod error;
