@@ -279,8 +279,8 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Ivp<'w, Y, S, M, P> {
         self
     }
 
-    /// How the next step follows from the errors of the last ones. Default: [`Controller::PI`]. Methods of
-    /// variable order have a rule of their own and refuse another.
+    /// How the next step follows from the errors of the last ones. Default: [`Controller::PI`] for explicit methods,
+    /// [`Controller::PREDICTIVE`] for implicit ones. Methods of variable order have a rule of their own and refuse another.
     pub fn controller(mut self, controller: Controller) -> Self {
         self.options.controller = Some(controller);
         self

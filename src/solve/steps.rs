@@ -42,7 +42,7 @@ pub struct Steps<'w, Y: State, S, M: Method, P> {
     /// Times at which a leg ends, the next one last.
     pub(super) stops: Vec<RealOf<Y>>,
     pub(super) rules: Rules<RealOf<Y>>,
-    pub(super) controller: Controller,
+    pub(super) controller: Option<Controller>,
     pub(super) options: Options<'w, Y>,
     pub(super) watch: Watch<'w, Y>,
     pub(super) stats: Stats,
@@ -112,7 +112,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             point: y0.clone(),
             second_order: form.d == 2,
         };
-        let controller = options.controller.unwrap_or_default();
+        let controller = options.controller;
         let stats = Stats::default();
         let h = RealOf::<Y>::zero();
         let chooser = match auto {
