@@ -3,11 +3,13 @@
 use super::criteria::*;
 use super::double_double::DoubleDouble as D;
 use super::error::TableauError;
-use super::form::{Form, Meaning, Row};
+use super::form::Meaning;
+use super::inexact::inexact;
 use super::lower::{first_is_last, runge_kutta};
 use super::prove::prove_to;
 use super::roots::zero_stable;
-use super::series::{Defect, Forms, Solution, defects};
+use super::series::{Forms, Solution, defects};
+use super::sizes::*;
 use super::stability::{Characteristic, Locus};
 use super::stiff::{StiffOrder, stiff_order};
 use super::{Members, Scheme, Tableau};
@@ -84,6 +86,11 @@ pub struct Properties {
     pub sum_b: f64,
     /// The largest absolute weight of a slope in a stage.
     pub max_a: f64,
+    /// The order that is left of a Rosenbrock method with any matrix in place of the Jacobian: `order` where it is a
+    /// W-method (Steihaug, Wolfbrandt 1979). Looked for to order 6.
+    pub w_order: Option<usize>,
+    /// The same of each embedded row.
+    pub w_embedded: Vec<usize>,
     /// Whether each embedded row's estimate is zero for y' = f(t), whatever f.
     pub blind: Vec<bool>,
     /// What a step errs over its first estimate of that, on linear and on stiff equations: above 2 the estimate says
@@ -257,6 +264,8 @@ impl Tableau<'_> {
             residual_f32: residual(|x| D::of(f64::from(x.to_f32()))),
             sum_b: amplification(&forms),
             max_a: largest_a(&forms),
+            w_order: None,
+            w_embedded: vec![],
             blind: vec![],
             estimate_misses: match &self.scheme {
                 Scheme::RungeKutta(_) => estimate_misses(first),
@@ -301,6 +310,9 @@ impl Tableau<'_> {
                 all.stiffly_accurate = Some(at_end && last_row_is(&beta, &alpha.b, n, loose));
                 all.evaluations = (0..n).filter(|&i| !alpha.a[..i].contains(&alpha.a[i])).count();
                 all.blind = blind(alpha, Some(gamma), loose);
+                let left = inexact(self, alpha, gamma);
+                all.w_order = Some(left.step);
+                all.w_embedded = left.embedded[..alpha.lower].to_vec();
             }
             Scheme::Multistep(steps) => {
                 let (limits, locus) = (Characteristic::of(first), Locus::of(steps));
@@ -375,41 +387,4 @@ impl Properties {
         self.a_stable = Some(alpha == 90.0);
         self.l_stable = Some(alpha == 90.0 && at_infinity < 1e-9);
     }
-}
-
-/// Root of the sum of squares over the trees of the highest order.
-fn norm(defects: &[Defect]) -> f64 {
-    let order = defects.last().map_or(0, |defect| defect.order);
-    let highest = defects.iter().filter(|defect| defect.order == order);
-    highest.map(|defect| (defect.off.hi() / defect.sigma as f64).powi(2)).sum::<f64>().sqrt()
-}
-
-fn rounded(mut forms: Forms, round: fn(D) -> D) -> Forms {
-    let each = |row: &mut Row| {
-        row.a.iter_mut().for_each(|a| *a = round(*a));
-        row.diagonal = round(row.diagonal);
-    };
-    forms.form.iter_mut().for_each(|form| form.stage.iter_mut().chain(&mut form.carry).for_each(each));
-    forms
-}
-
-/// The weights of slopes in a row, the row's own among them.
-fn slopes<'f>(form: &'f Form, row: &'f Row) -> impl Iterator<Item = D> + 'f {
-    let slope = |at: usize| at >= form.r || matches!(form.means[at], Meaning::F(_));
-    let terms = (0..row.len).filter(move |&j| slope(row.at[j])).map(|j| row.a[j].abs());
-    terms.chain([row.diagonal.abs()])
-}
-
-/// Of the row whose terms are slopes times h: y', or the velocity of y'' = f.
-fn amplification(forms: &Forms) -> f64 {
-    let of = |form: &Form| {
-        let row = (0..form.r).find(|&j| form.means[j] == Meaning::V).unwrap_or(0);
-        slopes(form, &form.carry[row]).fold(D::ZERO, |sum, a| sum + a).hi()
-    };
-    forms.form.iter().map(of).fold(0.0, f64::max)
-}
-
-fn largest_a(forms: &Forms) -> f64 {
-    let rows = forms.form.iter().flat_map(|form| form.stage[..form.s].iter().map(move |row| (form, row)));
-    rows.flat_map(|(form, row)| slopes(form, row)).map(D::hi).fold(0.0, f64::max)
 }
