@@ -82,8 +82,9 @@ fn each_side_of_a_break_has_its_own_values() {
             assert!(passed.replace(false) && s.ts == times, "{}", method.name());
             for (t, y) in s.ts.iter().zip(&s.ys) {
                 let off = (y[0] - relaxed(at, *t)).abs();
-                // An interpolant of lower order than the step errs by more than the step.
-                assert!(off < 30.0 * tol, "{} at {t}, break {at}: off by {off:e}", method.name());
+                // An interpolant of lower order than the step errs by more than the step, most where the steps are
+                // the longest for the tolerance: where the estimate says too little.
+                assert!(off < 60.0 * tol, "{} at {t}, break {at}: off by {off:e}", method.name());
             }
             if method.form().orders == 0 {
                 let s = run().step(0.01).run().unwrap_or_else(|e| panic!("{}: {e}", method.name()));
@@ -120,8 +121,8 @@ fn algebraic_components_are_good_along_the_way() {
             s.ts.iter().zip(&s.ys).map(off).fold(0.0, f64::max)
         };
         let (y, z) = (worst(0), worst(1));
-        // Between steps z is that of slopes, of one order less than y.
-        assert!(y < 10.0 * tol && z < 30.0 * tol, "{}: y {y:e}, z {z:e}", method.name());
+        // Between steps z is that of slopes, of one order less than y: of order two where y is drawn as a cubic.
+        assert!(y < 10.0 * tol && z < 200.0 * tol, "{}: y {y:e}, z {z:e}", method.name());
         count += 1;
     }
     assert!(count > 15, "{count}");
@@ -296,7 +297,9 @@ fn an_iteration_that_fails_cuts_the_step_and_is_counted_apart() {
         let s = run.unwrap_or_else(|e| panic!("{}: {e}", method.name()));
         assert!(s.stats.rejected.newton > 0 && s.ts[1] < 0.5, "{}: {:?}", method.name(), s.stats);
         let rejected = s.stats.rejected;
-        assert_eq!(rejected.total(), rejected.newton + rejected.error, "{}", method.name());
+        // The wrong Jacobian tells of growth, too.
+        let counted = rejected.newton + rejected.error + rejected.singular;
+        assert_eq!(rejected.total(), counted, "{}", method.name());
         assert!((s.y[0] - (-50f64).exp()).abs() < 1e-4, "{}: {:?}", method.name(), s.y);
     }
 }

@@ -1,5 +1,6 @@
 //! Stiff problems and implicit stages: every method that steps them, on what breaks such codes.
 
+use kutta::compare::hard;
 use kutta::problems::{Equation, Problem, RobertsonUntil40, Visit, visit_all};
 use kutta::tableau::Stages;
 use kutta::{Ivp, Jacobian, Loaded, Method, OutOfDomain, Solution, Stopped, System, Why, methods, solve};
@@ -14,29 +15,6 @@ fn property(name: &str) -> kutta::tableau::Properties {
     methods::find(name).unwrap().tableau().properties()
 }
 
-/// How many times the tolerance a right answer may be off at the end.
-fn allowed(problem: &str, method: &str, order: usize) -> f64 {
-    match (problem, method) {
-        // At 1e13 little is left of any component, and the relative errors of the way there are.
-        ("e5-1e11" | "e5-1e13", _) => 1e4,
-        // A thousand periods, each adding its error to the phase, and pairs whose estimate misses that: a
-        // method without damping at its order errs as much as its steps together.
-        ("stiff-spring-underdamped", _) => 1e4,
-        // Their estimates are of higher order than the step or weigh what is fast too little: at small tolerances
-        // the steps grow too long.
-        (_, "trbdf2" | "esdirk34-jorgensen") => 1e3,
-        (_, "kencarp3-esdirk" | "kencarp5-esdirk" | "kencarp4-7-imex") => 100.0,
-        // Steps are many and small, and their errors add up.
-        (_, "bdf" | "adams") => 100.0,
-        // What is left of y1 at 1e11 is 2e-8, and carries the relative errors of eleven decades of time, each of
-        // many steps.
-        ("robertson-1e11", _) if order < 3 => 1e4,
-        // E5 and the Oregonator carry errors of early steps along.
-        _ if order < 4 => 100.0,
-        _ => 40.0,
-    }
-}
-
 struct Contest {
     /// Low orders run out of steps, Gauss methods do not damp, and parts of f evaluated apart see stiffness. All others
     /// get there, which those who are weak need not.
@@ -48,6 +26,11 @@ impl Visit for Contest {
     fn visit<P: Problem>(&mut self, problem: P) {
         let (true, Some(reference)) = (P::STIFF && problem.n() <= 100, problem.reference()) else { return };
         self.met += 1;
+        let mut cases = hard::cases().into_iter();
+        // Its jumps are declared below.
+        let name =
+            if problem.breaks().is_empty() { P::NAME.to_string() } else { format!("{}-declared", P::NAME) };
+        let case = cases.find(|case| case.name == name).expect("a stiff problem is a hard one");
         let (t0, t1) = problem.span();
         for (method, weak) in &self.methods {
             // Components of 1e-13 and less beside one of 1e-3: the linear equation of a Rosenbrock stage is solved to
@@ -55,15 +38,9 @@ impl Visit for Contest {
             if P::NAME.starts_with("e5") && matches!(method.form().stages(), Stages::Linear) {
                 continue;
             }
-            // A pair in two parts evaluates f anew where a step begins, which magnifies what an iteration has left of
-            // its error by the stiffness.
-            if P::NAME == "robertson-1e11" && method.form().split() {
-                continue;
-            }
             let (tol, name) = (if method.form().order < 4 { 1e-4 } else { 1e-6 }, method.name());
             let small = 1e-2 * problem.scale();
             let run = Ivp::new(Equation(problem.clone()), problem.y0(), t0..t1).with(method.clone());
-            // A jump that is not declared is another matter.
             let run = run.breaks(problem.breaks());
             let most = match weak {
                 false => 10_000,
@@ -75,7 +52,7 @@ impl Visit for Contest {
                 Ok(s) => {
                     let off = |(y, r): (&f64, &f64)| (y - r).abs() / (r.abs() + small);
                     let worst = s.y.as_ref().iter().zip(reference.as_ref()).map(off).fold(0.0, f64::max);
-                    let bound = allowed(P::NAME, name, method.form().order) * tol;
+                    let bound = case.allowed(method, tol).0 * tol;
                     assert!(worst < bound, "{name} on {}: off by {worst:e}, {:?}", P::NAME, s.stats);
                 }
                 Err(stopped) => {

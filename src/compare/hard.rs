@@ -105,11 +105,19 @@ impl Case {
             why = Some(
                 "80 swings, of which 1/150 of the size is left: the phase gathers the errors of all steps",
             );
+        } else if named(&["non-normal"]) {
+            factor *= 5.0;
+            why = Some("the matrix magnifies an error of y2 a thousandfold before it is weighed");
+        } else if named(&["e5-1e13"]) && rtol > 1e-6 {
+            least = 30.0;
+            why = Some(
+                "y1 must fall by 25 decades before y2 is right, and a step that damps it is judged by the size it comes from",
+            );
         } else if named(&["e5"]) {
             (factor, least) = (factor * 100.0, 1e-2);
             why = Some("the numbers at the end are below the spacing of those at the start, 2e-19");
         } else if named(&["orego"]) {
-            factor *= 10.0;
+            factor *= 20.0;
             why = Some("a jump of the cycle turns an error of time into one of the state");
         } else if self.name == "jump" {
             least = 5e-2;

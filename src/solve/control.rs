@@ -39,12 +39,12 @@ impl Controller {
     pub const H211B: Self = Self::of([0.25, 0.25, 0.0], 0.25);
     /// Gustafsson (1994), ACM TOMS 20, 496; Hairer, Wanner II, IV.8: what the last two errors and the last change of
     /// step foretell, or what the last error alone allows, whichever is less.
-    pub const PREDICTIVE: Self = Self::of([2.0, -1.0, 0.0], -1.0);
+    pub const PREDICTIVE: Self = Self { safety: 0.8, grow: 6.0, ..Self::of([2.0, -1.0, 0.0], -1.0) };
 
     /// What a run takes where none is given. Transients that die out let the steps of a stiff problem grow for
     /// decades; [`PI`](Self::PI), which a growing step keeps behind, stays at a fraction of the error allowed.
     pub(crate) fn of_form(form: &Form) -> Self {
-        if form.explicit() { Self::PI } else { Self::PREDICTIVE }
+        if form.forgets() { Self::PREDICTIVE } else { Self::PI }
     }
 }
 

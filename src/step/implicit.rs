@@ -17,6 +17,9 @@ use crate::tableau::{DoubleDouble, Form, Stages};
 use num_traits::{One, Zero};
 use std::sync::Arc;
 
+/// A Jacobian is taken anew after so many of the steps that it was taken for.
+const AGE: f64 = 20.0;
+
 /// M - h g J, factored, for one of the numbers g on the table's diagonal.
 #[derive(Clone)]
 pub(super) struct Factors<R, Q> {
@@ -38,6 +41,8 @@ pub(crate) struct Solver<Y: State> {
     pub(super) here: bool,
     /// There is a Jacobian at all.
     pub(super) known: bool,
+    /// When it was taken, and for a step of what size.
+    pub(super) taken: [RealOf<Y>; 2],
     /// A step was accepted: its slopes are there.
     pub(super) begun: bool,
     pub(super) factors: Vec<Factors<RealOf<Y>, Y::Square>>,
@@ -106,6 +111,7 @@ impl<Y: State> Solver<Y> {
             mass: known.mass.clone(),
             here: false,
             known: false,
+            taken: [RealOf::<Y>::zero(); 2],
             begun: false,
             factors,
             slope: y.clone(),
@@ -160,8 +166,7 @@ impl<Y: State> Solver<Y> {
         match form.stages() {
             Stages::Linear => self.linear(form, x, out, system, (t, end), h)?,
             stages => {
-                // A Jacobian that served well serves on.
-                if !self.known || !self.here && !self.iteration.quick() {
+                if !self.known || !self.here && !(self.iteration.quick() && self.lasts(t)) {
                     self.renew(form, system, t, h, &x[0])?;
                 }
                 if let Some(coupled) = &mut self.coupled
@@ -171,7 +176,6 @@ impl<Y: State> Solver<Y> {
                 }
                 self.tried = h;
                 loop {
-                    self.iteration.begin_step(self.here);
                     let solved = match stages {
                         Stages::Full => self.all(form, x, out, system, (t, end), h),
                         _ if form.split() => {
@@ -194,6 +198,13 @@ impl<Y: State> Solver<Y> {
             }
         }
         Ok(())
+    }
+
+    /// The Jacobian may still serve at `t`, if it did up to now. One that was taken in a fast motion hides in the slow
+    /// one after it what is left of an iteration: it is a thousand times larger, and all corrections are as small.
+    fn lasts(&self, t: RealOf<Y>) -> bool {
+        let [from, h] = self.taken;
+        (t - from).modulus() <= (h * RealOf::<Y>::from_f64(AGE)).modulus()
     }
 
     /// Takes the Jacobian of what the stages solve for.

@@ -290,6 +290,11 @@ impl Form {
         apart && matches!(self.stages(), Stages::Full)
     }
 
+    /// Infinitely fast motions are gone after a step: the last stage is y', and implicit.
+    pub const fn forgets(&self) -> bool {
+        !self.explicit() && (self.linear || self.split() || self.carry[0].last_y)
+    }
+
     /// Steps can be chosen from an error estimate.
     pub const fn adaptive(&self) -> bool {
         self.errors > 0 || self.estimated() || self.orders > 0
