@@ -1,6 +1,6 @@
 //! A method's derived properties in plain words, and as JSON.
 
-use kutta::tableau::{Member, Properties, Stages};
+use kutta::tableau::{Member, Properties, Stages, StiffOrder};
 use serde_json::{Map, Value, json};
 
 /// A line for each property that applies.
@@ -20,12 +20,7 @@ pub fn words(p: &Properties) -> String {
         line("stage order", q.to_string());
     }
     if let Some(stiff) = p.stiff_order {
-        let over = match stiff.damping {
-            0 => String::new(),
-            1 => " / |lambda|".to_string(),
-            m => format!(" / |lambda|^{m}"),
-        };
-        line("stiff problems", format!("the error goes like h^{}{over} (Prothero, Robinson)", stiff.order));
+        line("stiff problems", format!("the error goes like {} (Prothero, Robinson)", left(stiff)));
     }
     line("local error", local_error(p));
     for m in &p.members {
@@ -137,13 +132,28 @@ fn local_error(p: &Properties) -> String {
 fn member(m: &Member) -> String {
     let l: Vec<_> = m.l.iter().map(|l| short(l.hi())).collect();
     let sector = sector(m.alpha, m.at_infinity, m.alpha == 90.0 && m.at_infinity < 1e-9);
+    let stiff = m.stiff_order.map_or(String::new(), |stiff| format!("; {} on stiff problems", left(stiff)));
     format!(
-        "l = {}; {} h^{} y^({3}); {sector}",
+        "l = {}; {} h^{} y^({3}); {sector}{stiff}",
         l.join(" "),
         short(m.error_constant),
         m.order + 1,
         m.order + 1
     )
+}
+
+/// `h^3 / |lambda|`
+fn left(stiff: StiffOrder) -> String {
+    let over = match stiff.damping {
+        0 => String::new(),
+        1 => " / |lambda|".to_string(),
+        m => format!(" / |lambda|^{m}"),
+    };
+    format!("h^{}{over}", stiff.order)
+}
+
+fn stiff_json(stiff: StiffOrder) -> Value {
+    json!({ "order": stiff.order, "damping": stiff.damping })
 }
 
 fn from(x: f64) -> String {
@@ -183,6 +193,7 @@ fn member_json(m: &Member) -> Value {
         "error_constant": m.error_constant,
         "alpha": m.alpha,
         "at_infinity": m.at_infinity,
+        "stiff_order": m.stiff_order.map(stiff_json),
     })
 }
 
@@ -203,7 +214,7 @@ pub fn json(p: &Properties) -> Map<String, Value> {
         "fsal": p.fsal,
         "stiffly_accurate": p.stiffly_accurate,
         "stage_order": p.stage_order,
-        "stiff_order": p.stiff_order.map(|stiff| json!({ "order": stiff.order, "damping": stiff.damping })),
+        "stiff_order": p.stiff_order.map(stiff_json),
         "principal_error": p.principal_error,
         "embedded_errors": p.embedded_errors,
         "error_constant": p.error_constant,

@@ -9,7 +9,7 @@ use super::prove::prove_to;
 use super::roots::zero_stable;
 use super::series::{Defect, Forms, Solution, defects};
 use super::stability::{Characteristic, Locus};
-use super::stiff::{StiffOrder, stiff_order};
+use super::stiff::{StiffOrder, of_formula, stiff_order};
 use super::{Members, Scheme, Tableau};
 
 /// How the stages of a method are found.
@@ -50,7 +50,8 @@ pub struct Properties {
     pub stiffly_accurate: Option<bool>,
     /// Largest q with B(q) and C(q).
     pub stage_order: Option<usize>,
-    /// What is left of the order on a stiff problem, of one-step methods with implicit stages.
+    /// What is left of the order on a stiff problem, of methods with implicit stages; of a pair for f + g where f is
+    /// zero. `None` where errors grow.
     pub stiff_order: Option<StiffOrder>,
     /// Norm of the leading coefficients of the local error: the root of the sum, over the trees of the first
     /// order that fails, of (weight less 1/gamma)^2 / sigma^2. With y' carried, of y and y' together.
@@ -107,6 +108,8 @@ pub struct Member {
     pub alpha: f64,
     /// The largest root of sigma: the amplification at infinity.
     pub at_infinity: f64,
+    /// What is left of its order on a stiff problem; `None` where errors grow.
+    pub stiff_order: Option<StiffOrder>,
 }
 
 impl Tableau<'_> {
@@ -273,7 +276,9 @@ impl Tableau<'_> {
             }
             Scheme::Imex { explicit, implicit } => {
                 all.limits(&Characteristic::of(first), tolerance);
-                all.implicit(&Characteristic::of(&forms.form[1]), tolerance);
+                let limits = Characteristic::of(&forms.form[1]);
+                all.implicit(&limits, tolerance);
+                all.stiff_order = stiff_order(implicit, None, self.order, limits.far(), loose);
                 all.stiffly_accurate = Some(last_row_is(&implicit.a, &implicit.b, implicit.stages, loose));
                 all.blind = blind(explicit, None, loose);
             }
@@ -300,6 +305,7 @@ impl Tableau<'_> {
                 if all.kind != Stages::Explicit {
                     let (alpha, at_infinity) = sector(&limits, &locus, tolerance);
                     all.sector(alpha, at_infinity);
+                    all.stiff_order = of_formula(self.order, alpha);
                 }
             }
             Scheme::Nordsieck(members) => {
@@ -307,6 +313,7 @@ impl Tableau<'_> {
                 all.limits(&limits, tolerance);
                 all.error_constant = Some(error_constant(last, 1, self.order));
                 all.members = self.members(members, tolerance);
+                all.stiff_order = all.members.last().and_then(|m| m.stiff_order);
                 let least = all.members.iter().map(|m| m.alpha).fold(90.0, f64::min);
                 all.sector(least, all.members.iter().map(|m| m.at_infinity).fold(0.0, f64::max));
             }
@@ -344,7 +351,8 @@ impl Tableau<'_> {
             let (steps, limits) = (&members.steps[q - 1], Forms::of(&members.of(self, q)));
             let (alpha, at_infinity) = sector(&Characteristic::of(&limits.form[0]), &Locus::of(steps), near);
             let l = form.iter().flat_map(|form| form.correctors[q - 1].l[..=q].to_vec()).collect();
-            Member { order: q, l, error_constant: error_constant(steps, 1, q), alpha, at_infinity }
+            let (error_constant, stiff_order) = (error_constant(steps, 1, q), of_formula(q, alpha));
+            Member { order: q, l, error_constant, alpha, at_infinity, stiff_order }
         };
         (1..=members.count).map(member).collect()
     }
