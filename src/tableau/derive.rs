@@ -3,11 +3,13 @@
 use super::criteria::*;
 use super::double_double::DoubleDouble as D;
 use super::error::TableauError;
-use super::form::{Form, Meaning, Row};
+use super::evidence::Evidence;
+use super::form::Meaning;
 use super::lower::{first_is_last, runge_kutta};
 use super::prove::prove_to;
 use super::roots::zero_stable;
-use super::series::{Defect, Forms, Solution, defects};
+use super::series::{Forms, Solution, defects};
+use super::sizes::{amplification, largest_a, norm, rounded};
 use super::stability::{Characteristic, Locus};
 use super::stiff::{StiffOrder, of_formula, stiff_order};
 use super::{Members, Scheme, Tableau};
@@ -73,6 +75,8 @@ pub struct Properties {
     pub l_stable: Option<bool>,
     /// A(alpha)-stability: alpha in degrees.
     pub alpha: Option<f64>,
+    /// Whether alpha, and with it A- and L-stability, is proven or found.
+    pub evidence: Option<Evidence>,
     /// |R| at infinity.
     pub at_infinity: Option<f64>,
     /// The history is not amplified as h goes to 0. Of methods that carry one.
@@ -104,8 +108,9 @@ pub struct Member {
     pub l: Vec<D>,
     /// C_(order+1) / sigma(1).
     pub error_constant: f64,
-    /// A(alpha)-stability: alpha in degrees.
+    /// A(alpha)-stability: alpha in degrees, and how it is known.
     pub alpha: f64,
+    pub evidence: Evidence,
     /// The largest root of sigma: the amplification at infinity.
     pub at_infinity: f64,
     /// What is left of its order on a stiff problem; `None` where errors grow.
@@ -250,6 +255,7 @@ impl Tableau<'_> {
             a_stable: None,
             l_stable: None,
             alpha: None,
+            evidence: None,
             at_infinity: None,
             zero_stable: None,
             residual_f64: residual(|x| D::of(x.hi())),
@@ -267,7 +273,7 @@ impl Tableau<'_> {
                 all.limits(&limits, tolerance);
                 if all.kind != Stages::Explicit {
                     all.implicit(&limits, tolerance);
-                    all.stiff_order = stiff_order(array, None, self.order, limits.far(), loose);
+                    all.stiff_order = stiff_order(array, None, self.order, limits.at_infinity(loose), loose);
                     all.stiffly_accurate = Some(last_row_is(&array.a, &array.b, array.stages, loose));
                 }
                 all.stage_order = Some(stage_order(array, loose));
@@ -278,7 +284,7 @@ impl Tableau<'_> {
                 all.limits(&Characteristic::of(first), tolerance);
                 let limits = Characteristic::of(&forms.form[1]);
                 all.implicit(&limits, tolerance);
-                all.stiff_order = stiff_order(implicit, None, self.order, limits.far(), loose);
+                all.stiff_order = stiff_order(implicit, None, self.order, limits.at_infinity(loose), loose);
                 all.stiffly_accurate = Some(last_row_is(&implicit.a, &implicit.b, implicit.stages, loose));
                 all.blind = blind(explicit, None, loose);
             }
@@ -290,7 +296,8 @@ impl Tableau<'_> {
             Scheme::Rosenbrock { alpha, gamma } => {
                 let limits = Characteristic::of(&forms.form[1]);
                 all.implicit(&limits, tolerance);
-                all.stiff_order = stiff_order(alpha, Some(gamma), self.order, limits.far(), loose);
+                all.stiff_order =
+                    stiff_order(alpha, Some(gamma), self.order, limits.at_infinity(loose), loose);
                 let (mut beta, n) = (alpha.a, alpha.stages);
                 (0..n).for_each(|i| (0..n).for_each(|j| beta[i][j] += gamma.a[i][j]));
                 let at_end = (sum(&alpha.a[n - 1][..n]) - D::ONE).abs().hi() <= loose;
@@ -303,8 +310,8 @@ impl Tableau<'_> {
                 all.limits(&limits, tolerance);
                 all.error_constant = Some(error_constant(steps, 1, self.order));
                 if all.kind != Stages::Explicit {
-                    let (alpha, at_infinity) = sector(&limits, &locus, tolerance);
-                    all.sector(alpha, at_infinity);
+                    let (alpha, at_infinity, evidence) = sector(&limits, &locus, tolerance);
+                    all.sector(alpha, at_infinity, evidence);
                     all.stiff_order = of_formula(self.order, alpha);
                 }
             }
@@ -314,8 +321,10 @@ impl Tableau<'_> {
                 all.error_constant = Some(error_constant(last, 1, self.order));
                 all.members = self.members(members, tolerance);
                 all.stiff_order = all.members.last().and_then(|m| m.stiff_order);
-                let least = all.members.iter().map(|m| m.alpha).fold(90.0, f64::min);
-                all.sector(least, all.members.iter().map(|m| m.at_infinity).fold(0.0, f64::max));
+                let least = all.members.iter().min_by(|a, b| a.alpha.total_cmp(&b.alpha));
+                let (alpha, evidence) = least.map_or((0.0, Evidence::Proven), |m| (m.alpha, m.evidence));
+                let at_infinity = all.members.iter().map(|m| m.at_infinity).fold(0.0, f64::max);
+                all.sector(alpha, at_infinity, evidence);
             }
             Scheme::Stormer(steps) => {
                 all.error_constant = Some(error_constant(steps, 2, self.order));
@@ -337,11 +346,14 @@ impl Tableau<'_> {
     }
 }
 
-/// Alpha of A(alpha)-stability in degrees, and the amplification at infinity, of a multistep formula.
-fn sector(limits: &Characteristic, locus: &Locus, near: f64) -> (f64, f64) {
+/// Alpha of A(alpha)-stability in degrees, the amplification at infinity, and how they are known, of a multistep
+/// formula.
+fn sector(limits: &Characteristic, locus: &Locus, near: f64) -> (f64, f64, Evidence) {
     let at_infinity = locus.at_infinity();
     let half_line = limits.real(near) == f64::INFINITY && at_infinity < 1.0 + 1e-9;
-    (if half_line { locus.angle() } else { 0.0 }, at_infinity)
+    // A point of the axis that is not stable proves that.
+    let (alpha, evidence) = if half_line { locus.angle(near) } else { (0.0, Evidence::Proven) };
+    (alpha, at_infinity, evidence)
 }
 
 impl Tableau<'_> {
@@ -349,10 +361,11 @@ impl Tableau<'_> {
         let form = self.form();
         let member = |q: usize| {
             let (steps, limits) = (&members.steps[q - 1], Forms::of(&members.of(self, q)));
-            let (alpha, at_infinity) = sector(&Characteristic::of(&limits.form[0]), &Locus::of(steps), near);
+            let limits = Characteristic::of(&limits.form[0]);
+            let (alpha, at_infinity, evidence) = sector(&limits, &Locus::of(steps), near);
             let l = form.iter().flat_map(|form| form.correctors[q - 1].l[..=q].to_vec()).collect();
             let (error_constant, stiff_order) = (error_constant(steps, 1, q), of_formula(q, alpha));
-            Member { order: q, l, error_constant, alpha, at_infinity, stiff_order }
+            Member { order: q, l, error_constant, alpha, evidence, at_infinity, stiff_order }
         };
         (1..=members.count).map(member).collect()
     }
@@ -365,50 +378,15 @@ impl Properties {
     }
 
     fn implicit(&mut self, characteristic: &Characteristic, near: f64) {
-        self.sector(characteristic.angle(near), characteristic.at_infinity());
+        let (alpha, evidence) = characteristic.angle(self.order, near);
+        self.sector(alpha, characteristic.at_infinity(near).abs(), evidence);
     }
 
-    fn sector(&mut self, alpha: f64, at_infinity: f64) {
+    fn sector(&mut self, alpha: f64, at_infinity: f64, evidence: Evidence) {
         self.alpha = Some(alpha);
+        self.evidence = Some(evidence);
         self.at_infinity = Some(at_infinity);
         self.a_stable = Some(alpha == 90.0);
         self.l_stable = Some(alpha == 90.0 && at_infinity < 1e-9);
     }
-}
-
-/// Root of the sum of squares over the trees of the highest order.
-fn norm(defects: &[Defect]) -> f64 {
-    let order = defects.last().map_or(0, |defect| defect.order);
-    let highest = defects.iter().filter(|defect| defect.order == order);
-    highest.map(|defect| (defect.off.hi() / defect.sigma as f64).powi(2)).sum::<f64>().sqrt()
-}
-
-fn rounded(mut forms: Forms, round: fn(D) -> D) -> Forms {
-    let each = |row: &mut Row| {
-        row.a.iter_mut().for_each(|a| *a = round(*a));
-        row.diagonal = round(row.diagonal);
-    };
-    forms.form.iter_mut().for_each(|form| form.stage.iter_mut().chain(&mut form.carry).for_each(each));
-    forms
-}
-
-/// The weights of slopes in a row, the row's own among them.
-fn slopes<'f>(form: &'f Form, row: &'f Row) -> impl Iterator<Item = D> + 'f {
-    let slope = |at: usize| at >= form.r || matches!(form.means[at], Meaning::F(_));
-    let terms = (0..row.len).filter(move |&j| slope(row.at[j])).map(|j| row.a[j].abs());
-    terms.chain([row.diagonal.abs()])
-}
-
-/// Of the row whose terms are slopes times h: y', or the velocity of y'' = f.
-fn amplification(forms: &Forms) -> f64 {
-    let of = |form: &Form| {
-        let row = (0..form.r).find(|&j| form.means[j] == Meaning::V).unwrap_or(0);
-        slopes(form, &form.carry[row]).fold(D::ZERO, |sum, a| sum + a).hi()
-    };
-    forms.form.iter().map(of).fold(0.0, f64::max)
-}
-
-fn largest_a(forms: &Forms) -> f64 {
-    let rows = forms.form.iter().flat_map(|form| form.stage[..form.s].iter().map(move |row| (form, row)));
-    rows.flat_map(|(form, row)| slopes(form, row)).map(D::hi).fold(0.0, f64::max)
 }
