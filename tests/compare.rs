@@ -2,7 +2,7 @@
 
 use kutta::compare::{Comparison, Outcome, Reference, Row, Unfit, cost_at, fastest_at, ranking_at};
 use kutta::methods::{self, Ab4, Bs54, Dop853, Dp54, Rk4, Tsit54, VelocityVerlet, Yoshida6};
-use kutta::{Loaded, OutOfDomain, System};
+use kutta::{Auto, Loaded, OutOfDomain, System};
 use std::cell::RefCell;
 use std::time::Duration;
 
@@ -44,6 +44,16 @@ fn every_run_is_a_whole_row() {
     let parts = [(size * angle.cos(), 5f64.cos()), (-size * angle.sin(), -5f64.sin())];
     let by_hand = parts.iter().map(|(y, exact)| (y - exact).abs() / (exact.abs() + 1.0)).fold(0.0, f64::max);
     assert!((outcome.rows[2].error.unwrap() / by_hand - 1.0).abs() < 1e-9);
+}
+
+/// The choice begins with tsit54, which may stand beside it.
+#[test]
+fn the_choice_of_the_library_has_its_own_name() {
+    let outcome = swings().method(Auto::new()).method(Tsit54).tolerances(&[1e-4]).run().unwrap();
+    let names: Vec<_> = outcome.rows.iter().map(|row| row.method.as_str()).collect();
+    assert_eq!(names, ["auto", "tsit54"]);
+    // Nothing is stiff here.
+    assert_eq!(outcome.rows[0].error, outcome.rows[1].error);
 }
 
 #[test]
