@@ -234,6 +234,9 @@ fn the_fastest_is_read_off_the_rows() {
         row("a", 1e-6, 1e-3, 10_000),
         row("b", 1e-8, 1e-4, 500),
         Row { problem: "q".to_string(), ..row("c", 1e-9, 1e-9, 1) },
+        // Chosen in its course: the loose run is explicit to its end but for four Jacobians.
+        Row { problem: "s".to_string(), jacobians: 4, ..row("d", 1e-2, 1e-5, 100) },
+        Row { problem: "s".to_string(), jacobians: 16, factorizations: 9, ..row("d", 1e-4, 1e-4, 1000) },
     ];
     let near = |x: f64, y: f64| (x / y - 1.0).abs() < 1e-12;
 
@@ -246,6 +249,8 @@ fn the_fastest_is_read_off_the_rows() {
     let cost = cost_at(&rows, "p", "a", 0.5).unwrap();
     assert!(near(cost.seconds, 1e-5), "the loosest run is better already: {cost:?}");
     assert_eq!(cost_at(&rows, "p", "a", 1e-7), None);
+    let cost = cost_at(&rows, "s", "d", 1e-3).unwrap();
+    assert!(near(cost.jacobians, 8.0) && cost.factorizations == 9.0, "{cost:?}");
 
     let names = |error| ranking_at(&rows, "p", error).iter().map(|cost| cost.method).collect::<Vec<_>>();
     assert_eq!(names(1e-3), ["a", "b"]);
