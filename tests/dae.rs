@@ -210,14 +210,14 @@ fn the_transistor_amplifier_has_the_digits_of_another_program() {
     // 6000 steps agree in these. They have 12 digits in common with the published ones (Mazzia, Magherini 2008, Test Set
     // for IVP Solvers, release 2.4, II-11).
     let reference = [
-        -5.5621450122622744e-3,
-        3.0065224719030427,
-        2.8499587886081285,
-        2.9264225362062415,
+        -5.562145012262275e-3,
+        3.006522471903043,
+        2.8499587886081286,
+        2.9264225362062417,
         2.7046178650105546,
-        2.7618377783931441,
-        4.7709276316167722,
-        1.2369958680915477,
+        2.761837778393144,
+        4.770927631616773,
+        1.2369958680915476,
     ];
     for name in ["rodas5p", "rodas4", "radau-iia3", "kvaerno5", "kencarp4-esdirk"] {
         let Some(entry) = methods::find(name) else { continue };
