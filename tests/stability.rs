@@ -105,19 +105,25 @@ impl Trial {
     }
 }
 
-/// The limit that bisection finds, from a step far below the predicted one to one far above.
-fn observed(predicted: f64, unstable: impl Fn(f64) -> bool) -> f64 {
-    let (mut good, mut bad) = (0.05 * predicted, 1.9 * predicted);
+/// Bisects on h until the last step that does not grow and the first that does are half a percent apart.
+fn bisect(mut good: f64, mut bad: f64, unstable: impl Fn(f64) -> bool) -> f64 {
     while bad > 1.005 * good {
         let middle = 0.5 * (good + bad);
         if unstable(middle) { bad = middle } else { good = middle }
     }
-    good
+    0.5 * (good + bad)
 }
 
-/// Steps begin to grow where it is predicted, to one percent, and not before.
-fn begins(predicted: f64, unstable: impl Fn(f64) -> bool) -> bool {
-    [0.3, 0.99].iter().all(|part| !unstable(part * predicted)) && unstable(1.01 * predicted)
+/// The limit that bisection finds; none where steps far below the predicted one grow, or those above do not.
+fn observed(predicted: f64, unstable: impl Fn(f64) -> bool) -> Option<f64> {
+    let (far, good, bad) = (0.3 * predicted, 0.96 * predicted, 1.04 * predicted);
+    (!unstable(far) && !unstable(good) && unstable(bad)).then(|| bisect(good, bad, unstable))
+}
+
+/// Steps begin to grow where it is predicted, to one percent.
+fn assert_begins(what: &str, predicted: f64, unstable: impl Fn(f64) -> bool) {
+    let found = observed(predicted, unstable);
+    assert!(found.is_some_and(|h| (h / predicted - 1.0).abs() < 0.01), "{what}: {found:?}, not {predicted}");
 }
 
 #[test]
@@ -147,9 +153,7 @@ fn steps_grow_from_the_predicted_limit_on() {
                 count[1] += 1;
             } else {
                 let trial = Trial::of(by(1.01 * limit), *history);
-                let unstable = |h: f64| unstable(h, trial);
-                let found = || observed(limit, unstable);
-                assert!(begins(limit, unstable), "{name} at {degrees} degrees: {}, not {limit}", found());
+                assert_begins(&format!("{name} at {degrees} degrees"), limit, |h| unstable(h, trial));
                 count[2] += 1;
             }
         }
@@ -193,7 +197,7 @@ fn springs_start_to_swing_up_where_predicted() {
     let (euler, rounding) = (&of("euler").method, 1.0 + 1e-9);
     let long = Trial { steps: 1000, factor: rounding };
     assert!([1e-3, 1e-2].iter().all(|&h| unstable(euler, 0.0, h, Trial { steps: 40, factor: rounding })));
-    assert!((observed(0.009, |h| unstable(euler, 4.0, h, long)) - 0.01).abs() < 1e-4);
+    assert!((bisect(1e-3, 0.02, |h| unstable(euler, 4.0, h, long)) - 0.01).abs() < 1e-4);
     let mut count = 0;
     // Without drag they are the oscillation on the imaginary axis above.
     for Known { method, stability, history } in first_order() {
@@ -210,9 +214,8 @@ fn springs_start_to_swing_up_where_predicted() {
         if trial.steps < 1000 {
             trial = Trial { steps: 1000, factor: w.powf(125.0) };
         }
-        let unstable = |h: f64| unstable(method, c, h, trial);
-        let found = || observed(limit, unstable);
-        assert!(begins(limit, unstable), "{}, drag {c}: {}, not {limit}", method.name(), found());
+        let what = format!("{}, drag {c}", method.name());
+        assert_begins(&what, limit, |h| unstable(method, c, h, trial));
         count += 1;
     }
     assert!(count > 20, "{count}");

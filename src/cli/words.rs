@@ -20,7 +20,8 @@ pub fn words(p: &Properties) -> String {
         line("stage order", q.to_string());
     }
     if let Some(stiff) = p.stiff_order {
-        line("stiff problems", format!("the error goes like {} (Prothero, Robinson)", left(stiff)));
+        let of = if p.family == "IMEX pair" { "implicit table: " } else { "" };
+        line("stiff problems", format!("{of}the error goes like {} (Prothero, Robinson)", left(stiff)));
     }
     line("local error", local_error(p));
     for m in &p.members {
