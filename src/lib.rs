@@ -49,7 +49,8 @@
 //!
 //! No method was named: the run began with an explicit one and found out ([`Auto`]). Any method with implicit
 //! stages will do as well; the Jacobian is found by differences unless [`Ivp::jacobian`] or [`Dual`] gives it.
-//! [`methods::Bdf`] chooses its order with its step, and so does [`methods::Adams`] where nothing is stiff and f
+//! [`Ivp::approximate_jacobian`] gives a matrix near it, which iterations correct and W-methods such as
+//! [`methods::Ros34pw2`] take as it is. [`methods::Bdf`] chooses its order with its step, and so does [`methods::Adams`] where nothing is stiff and f
 //! costs much. [`solve_split`] takes f in two parts, of which an IMEX pair solves for one.
 //!
 //! # Large and differential-algebraic systems

@@ -98,6 +98,17 @@ fn show_has_rows_for_every_family() {
     assert_eq!(json(&["show", "ab2", "--json"])["beta"][0]["value"], -0.5);
 }
 
+/// Rang, Angermann 2005 give ROS34PW2 as a W-method of order 3, Verwer et al. 1999 ROS2 as one of order 2.
+#[test]
+fn show_tells_w_methods_from_others() {
+    let shown = printed(&["show", "ros34pw2"]);
+    assert!(shown.contains("order 3, embedded 2, with any matrix in place of the Jacobian"), "{shown}");
+    let shown = printed(&["show", "rodas4"]);
+    assert!(shown.contains("no, it needs the Jacobian: order 1"), "{shown}");
+    assert_eq!(json(&["show", "ros2", "--json"])["properties"]["w_order"], 2);
+    assert_eq!(json(&["show", "rk4", "--json"])["properties"].get("w_order"), None);
+}
+
 #[test]
 fn show_prints_every_method() {
     for entry in kutta::methods::all() {

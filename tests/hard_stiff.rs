@@ -5,18 +5,6 @@ use kutta::compare::hard::{Case, TOLERANCES, cases};
 use kutta::tableau::Stages;
 use kutta::{Auto, Loaded, Method, Why, methods};
 
-/// How many times more than all others a method may leave: its estimate weighs what has decayed too little, which
-/// on the overdamped spring, the non-normal system and E5 lets the error grow as the tolerance falls.
-fn weakness(method: &str) -> f64 {
-    match method {
-        "esdirk437l2sa" => 100.0,
-        "kencarp5-esdirk" | "kencarp5-imex" | "kencarp4-7-imex" => 10.0,
-        // Of a family with many small steps the errors add up.
-        "esdirk547l2sa2" | "kencarp3-esdirk" | "kencarp3-imex" | "bdf" => 2.0,
-        _ => 1.0,
-    }
-}
-
 /// Steps that an unoptimised build takes in a moment; the others of a ladder, which need more, are left out.
 fn affordable(case: &Case) -> u64 {
     match case.n {
@@ -47,7 +35,7 @@ fn contest<M: Method>(methods: &[M]) -> (Vec<String>, usize) {
                 match case.attempt(method, tolerance, affordable(case)) {
                     Ok(reached) => {
                         ended += 1;
-                        let allowed = case.allowed(method, tolerance).0 * weakness(name);
+                        let allowed = case.allowed(method, tolerance).0;
                         if !(reached.error <= allowed * tolerance) {
                             let times = reached.error / tolerance;
                             faults.push(format!("{name} on {} at {tolerance:e}: {times:.1}", case.name));

@@ -47,6 +47,9 @@ pub fn words(p: &Properties) -> String {
     if let Some(zero_stable) = p.zero_stable {
         line("zero-stable", yes(zero_stable).to_string());
     }
+    if let Some(w_order) = p.w_order {
+        line("W-method", inexact(p, w_order));
+    }
     line(
         "rounding",
         format!("order conditions hold to {} in f64, {} in f32", miss(p.residual_f64), miss(p.residual_f32)),
@@ -57,6 +60,13 @@ pub fn words(p: &Properties) -> String {
         let sees =
             if *blind { "is blind to f(t): it is zero where f depends on t alone" } else { "sees f(t)" };
         line("error estimate", format!("of the embedded order {order} {sees}"));
+    }
+    if let Some(misses) = p.estimate_misses.filter(|&misses| misses > 2.0) {
+        let of = if p.kind == Stages::Explicit { "linear equations" } else { "linear or of stiff equations" };
+        line(
+            "error estimate",
+            format!("says too little of {of}: a step may err {} times as much", short(misses)),
+        );
     }
     if let Some(symplectic) = p.symplectic {
         let symmetric = match p.symmetric {
@@ -98,6 +108,15 @@ fn order(p: &Properties) -> String {
         text += &format!(", dense output {dense}");
     }
     text
+}
+
+/// What is left with any matrix in place of the Jacobian.
+fn inexact(p: &Properties, w_order: usize) -> String {
+    let embedded: String = p.w_embedded.iter().map(|order| format!(", embedded {order},")).collect();
+    match w_order == p.order {
+        true => format!("order {w_order}{embedded} with any matrix in place of the Jacobian"),
+        false => format!("no, it needs the Jacobian: order {w_order}{embedded} with any other matrix"),
+    }
 }
 
 fn stages(p: &Properties) -> String {
@@ -253,7 +272,10 @@ pub fn json(p: &Properties) -> Map<String, Value> {
         "residual_f32": p.residual_f32,
         "sum_b": p.sum_b,
         "max_a": p.max_a,
+        "w_order": p.w_order,
+        "w_embedded": p.w_order.map(|_| &p.w_embedded),
         "blind": p.blind,
+        "estimate_misses": p.estimate_misses,
         "symplectic": p.symplectic,
         "symmetric": p.symmetric,
         "members": (!p.members.is_empty()).then(|| p.members.iter().map(member_json).collect::<Vec<_>>()),

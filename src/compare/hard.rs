@@ -19,6 +19,7 @@ use crate::solve::ivp::Ivp;
 use crate::solve::outcome::{Stats, Why};
 use crate::step::method::Method;
 use crate::step::system::{OutOfDomain, System};
+use crate::tableau::criteria::estimate_misses;
 use std::rc::Rc;
 
 /// Tolerances that a hard problem is tried at.
@@ -90,14 +91,18 @@ impl Case {
         // Of the size of the error, and not of the tolerance.
         let mut least = 0.0;
         let (mut factor, mut why) = (PROMISED, None);
-        let no_higher = match form.errors {
-            0 => form.orders > 0 || form.order <= form.s,
-            _ => form.embedded[0] >= form.order,
-        };
-        if no_higher {
-            // n steps err n times the tolerance, and n grows like this.
-            factor *= rtol.powf(-1.0 / (form.order as f64 + 1.0));
+        // n steps err n times the tolerance, and n grows like this.
+        let add_up = rtol.powf(-1.0 / (form.order as f64 + 1.0));
+        let unlike =
+            form.errors > 0 && form.embedded[0] < form.order || form.errors == 0 && form.order > form.s;
+        if form.orders > 0 || !unlike {
+            factor *= add_up;
             why = Some("the step has no higher order than its estimate: the errors of all steps add up");
+        } else if let Some(misses) = estimate_misses(form).filter(|&misses| misses > 2.0) {
+            factor *= add_up.max(misses);
+            why = Some(
+                "the estimate says too little of linear or of stiff equations: `kutta show` tells how much",
+            );
         }
         if named(&["stiff-spring-underdamped"]) {
             factor *= 200.0;

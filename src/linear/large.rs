@@ -105,4 +105,19 @@ impl<T: Scalar> Square<T> for Large<T> {
             (None, _) => {}
         }
     }
+    fn negative(&self) -> bool {
+        let Some(Factors::InPlace { pivots }) = &self.factors else { return false };
+        let n = self.pattern.n();
+        match self.pattern.shape() {
+            Shape::Banded { lower, upper } => {
+                let stride = 2 * lower + upper + 1;
+                let diagonal = self.entries.iter().skip(lower + upper).step_by(stride).copied();
+                lu::negative(diagonal.zip(pivots.iter().map(|&p| p != 0)))
+            }
+            _ => {
+                let diagonal = self.entries.iter().step_by(n + 1).copied();
+                lu::negative(diagonal.zip(pivots.iter().enumerate().map(|(k, &p)| p != k)))
+            }
+        }
+    }
 }

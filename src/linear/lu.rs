@@ -43,6 +43,12 @@ pub fn factor<T: Scalar>(n: usize, a: &mut [T], pivots: &mut [usize]) -> Result<
     Ok(())
 }
 
+/// Whether a matrix has a negative determinant, by its pivots, as many of them inverse as there are, and by whether the
+/// rows of each changed places. A complex one has none.
+pub fn negative<T: Scalar>(pivots: impl Iterator<Item = (T, bool)>) -> bool {
+    pivots.fold(false, |odd, (pivot, swapped)| odd ^ swapped ^ (pivot == -T::one().scale(pivot.modulus())))
+}
+
 /// Solves with the factors.
 #[inline(always)]
 pub fn solve<T: Scalar>(n: usize, a: &[T], pivots: &[usize], x: &mut [T]) {

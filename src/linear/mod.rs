@@ -44,6 +44,9 @@ pub trait Square<T: Scalar>: Clone {
     fn factor(&mut self) -> Result<(), usize>;
     /// Solves for a right-hand side, in place, after [`factor`](Self::factor).
     fn solve(&mut self, x: &mut [T]);
+    /// Whether the determinant of the matrix last factored is negative. That of a complex matrix is not, and that of
+    /// one whose factors keep no pivots in the order of its columns counts as positive.
+    fn negative(&self) -> bool;
 }
 
 /// Calls `with` for every entry that can be other than zero: its row, its column, its value.
@@ -149,6 +152,10 @@ impl<T: Scalar, const N: usize> Square<T> for Small<T, N> {
         if let Some(x) = x.first_chunk_mut::<N>() {
             lu::solve(N, self.columns.as_flattened(), &self.pivots, x);
         }
+    }
+    fn negative(&self) -> bool {
+        let swapped = self.pivots.iter().enumerate().map(|(k, &p)| p != k);
+        lu::negative((0..N).map(|k| self.columns[k][k]).zip(swapped))
     }
 }
 

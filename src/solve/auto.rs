@@ -19,7 +19,7 @@ use std::fmt;
 /// the fastest motion that the equation has (Hairer, Wanner 1996, IV.2). Where that stands at nine tenths of the
 /// method's stability limit or above, in fifteen looks with no six in between that say otherwise, stability sets the
 /// steps: the problem is stiff here, and the run goes on with `Rodas5p`, or with `RadauIia5` where rtol is below
-/// 1e-8. It returns to the explicit method where the norm of h J has been below half the limit for ten steps, twice as
+/// 1e-8 or the Jacobian is an approximate one. It returns to the explicit method where the norm of h J has been below half the limit for ten steps, twice as
 /// many after each return of stiffness. [`Solution::choices`](crate::Solution::choices) tells what was
 /// chosen, when and why.
 ///
@@ -113,6 +113,8 @@ impl<R: Real> fmt::Display for Choice<R> {
 pub(crate) struct Chooser<R> {
     /// The method in hand is one for stiff problems.
     pub stiff: bool,
+    /// The Jacobian is only near df/dy.
+    approximate: bool,
     /// Taken along by the leg that runs.
     pub stiffness: Option<Stiffness>,
     pub choices: Vec<Choice<R>>,
@@ -121,7 +123,7 @@ pub(crate) struct Chooser<R> {
 impl<R: Real> Chooser<R> {
     /// Of a run whose method was named.
     pub fn named() -> Self {
-        Self { stiff: false, stiffness: None, choices: vec![] }
+        Self { stiff: false, approximate: false, stiffness: None, choices: vec![] }
     }
 
     /// Of a run from `t` that begins with an explicit `method`, unless there is a mass matrix. `patterned` says whether
@@ -129,7 +131,7 @@ impl<R: Real> Chooser<R> {
     pub fn new<M: Method>(
         method: &M,
         (t, n): (R, usize),
-        mass: bool,
+        (mass, approximate): (bool, bool),
         patterned: impl FnOnce() -> bool,
         tolerance: &Tolerance<R>,
     ) -> Self {
@@ -139,11 +141,15 @@ impl<R: Real> Chooser<R> {
         };
         let watched = !mass && (n <= DENSE || patterned());
         let first = match mass {
-            true => Choice { t, method: stiff_method(tolerance).name().to_string(), reason: Reason::Mass },
+            true => {
+                let stiff = stiff_method(tolerance, approximate);
+                Choice { t, method: stiff.name().to_string(), reason: Reason::Mass }
+            }
             false => Choice { t, method: method.name().to_string(), reason: Reason::Start },
         };
         Self {
             stiff: mass,
+            approximate,
             stiffness: watched.then(|| Stiffness::new(form_of(method), limit)),
             choices: vec![first],
         }
@@ -158,20 +164,24 @@ impl<R: Real> Chooser<R> {
             stiffness.turned(self.stiff);
         }
         let (method, reason) = match self.stiff {
-            true => (stiff_method(tolerance).name().to_string(), Reason::Stiff { reach, limit }),
+            true => (self.stiff_method(tolerance).name().to_string(), Reason::Stiff { reach, limit }),
             false => (explicit.to_string(), Reason::NoLongerStiff { reach, limit }),
         };
         self.choices.push(Choice { t, method, reason });
     }
+
+    pub fn stiff_method(&self, tolerance: &Tolerance<R>) -> Loaded {
+        stiff_method(tolerance, self.approximate)
+    }
 }
 
-/// The method for stiff problems.
-pub(crate) fn stiff_method<R: Real>(tolerance: &Tolerance<R>) -> Loaded {
+/// The method for stiff problems: one that iterates where the Jacobian is an `approximate` one.
+pub(crate) fn stiff_method<R: Real>(tolerance: &Tolerance<R>, approximate: bool) -> Loaded {
     let tightest = match tolerance {
         Tolerance::Scalar { rtol, .. } => rtol.to_f64(),
         Tolerance::Each(each) => each.iter().map(|(rtol, _)| rtol.to_f64()).fold(1.0, f64::min),
     };
-    if tightest < TIGHT {
+    if tightest < TIGHT || approximate {
         Loaded::of(RadauIia5.name(), RadauIia5.form())
     } else {
         Loaded::of(Rodas5p.name(), Rodas5p.form())
@@ -193,5 +203,8 @@ impl<Y: State> System<Y> for Lent<'_, Y> {
     }
     fn jacobian(&mut self, t: RealOf<Y>, y: &Y, j: &mut Jacobian<Y::Scalar>) -> bool {
         self.0.jacobian(t, y, j)
+    }
+    fn is_approximate(&self) -> bool {
+        self.0.is_approximate()
     }
 }

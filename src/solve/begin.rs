@@ -1,7 +1,7 @@
 //! How a leg begins: its steps, the old states of a multistep method, the first slope, the first step.
 
 use super::blame::not_finite;
-use super::control::Control;
+use super::control::{Control, Controller};
 use super::ivp::Structure;
 use super::leg::{Leg, Pace};
 use super::outcome::{Why, first_non_finite};
@@ -134,7 +134,10 @@ impl<Y: State, S: System<Y>, M: Method, P: Pace> Steps<'_, Y, S, M, P> {
             steps,
             lost: RealOf::<Y>::zero(),
             solver,
-            control: Control::new(self.controller, estimate_order(form)),
+            control: Control::new(
+                self.controller.unwrap_or_else(|| Controller::of_form(form)),
+                estimate_order(form),
+            ),
             stats: self.stats,
             known,
             last: self.h,

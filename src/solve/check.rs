@@ -6,7 +6,8 @@ use super::event::Then;
 use super::ivp::{Options, Structure};
 use super::outcome::first_non_finite;
 use super::start::steps_behind;
-use crate::linear;
+use crate::linear::{self, ConstantMass, Pattern, Square, factor_shifted};
+use crate::methods::{RadauIia5, Ros34pw2};
 use crate::step::coupled;
 use crate::step::method::Method;
 use crate::step::norm::Tolerance;
@@ -15,11 +16,12 @@ use crate::step::state::{RealOf, State};
 use crate::tableau::{Form, Meaning, Stages};
 use num_traits::Zero;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// What is wrong and what to do about it, or nothing.
 pub(crate) fn check<Y: State>(
     (name, form): (&str, &Form),
-    adaptive: bool,
+    (adaptive, approximate): (bool, bool),
     y0: &Y,
     v0: Option<&Y>,
     span: &Range<RealOf<Y>>,
@@ -41,6 +43,9 @@ pub(crate) fn check<Y: State>(
         _ => {}
     }
     if let Some(text) = matrices((name, form), adaptive, y0.as_slice().len(), options) {
+        return Some(text);
+    }
+    if approximate && let Some(text) = inexact((name, form), adaptive, y0, options) {
         return Some(text);
     }
     if form.d == 1 && options.events.iter().any(|event| matches!(event.then, Then::ChangeMotion(_))) {
@@ -200,6 +205,50 @@ fn matrices<Y: State>(
         return None;
     };
     Some(format!("{name} {why}: M y' = f(t, y) needs a method whose slopes are all found implicitly"))
+}
+
+/// An approximate Jacobian: what takes its order from df/dy has lost it.
+fn inexact<Y: State>(
+    (name, form): (&str, &Form),
+    adaptive: bool,
+    y0: &Y,
+    options: &Options<Y>,
+) -> Option<String> {
+    if let Some(Ok(mass)) = &options.mass
+        && !regular(y0, mass)
+    {
+        return Some(
+            "the mass matrix is singular: what its algebraic equations determine takes the Jacobian itself, \
+             not an approximate one"
+                .to_string(),
+        );
+    }
+    let starter = options.starter.as_ref().filter(|_| !adaptive && steps_behind(form) > 0);
+    let others = starter.map(|starter| (starter.name(), starter.form()));
+    std::iter::once((name, form)).chain(others).find_map(|(name, form)| {
+        let left = form.inexact;
+        let lost = [
+            ("step", form.order, left.step, true),
+            ("dense output", form.dense_order, left.dense, true),
+            ("error estimate", form.embedded[0], left.embedded[0], adaptive),
+            ("error estimate", form.embedded[1], left.embedded[1], adaptive),
+        ];
+        let (what, order, left, _) = lost.into_iter().find(|&(_, order, left, asked)| asked && left < order)?;
+        let [iterates, w] = [RadauIia5.name(), Ros34pw2.name()];
+        form.linear.then(|| {
+            format!(
+                "{name} needs the Jacobian itself: with an approximate one the order of its {what} falls from {order} \
+                 to {left}. Take a method that iterates, such as {iterates}, or a W-method, such as {w}"
+            )
+        })
+    })
+}
+
+/// M has an inverse.
+fn regular<Y: State>(y0: &Y, mass: &ConstantMass<Y::Scalar>) -> bool {
+    let pattern = Arc::new(Pattern::banded(y0.as_slice().len(), 0, 0).with(mass.places()));
+    let nothing = Y::Square::new(&pattern);
+    factor_shifted(&mut nothing.clone(), &nothing, Some(mass), |m| m, |j| j).is_ok()
 }
 
 fn singular(form: &Form) -> bool {

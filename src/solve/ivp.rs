@@ -7,13 +7,13 @@ use super::leg::{Adaptive, Fixed, Pace};
 use super::outcome::{Solution, Stopped};
 use super::steps::Steps;
 use super::watch::Step;
-use crate::linear::{ConstantMass, Jacobian, Mass, Misplaced, Pattern};
+use crate::linear::{ConstantMass, Misplaced, Pattern};
 use crate::step::method::{Loaded, Method};
 use crate::step::norm::Tolerance;
 use crate::step::scalar::Real;
 use crate::step::split::Split;
 use crate::step::state::{RealOf, State};
-use crate::step::system::{System, Verdict, WithJacobian};
+use crate::step::system::{System, Verdict};
 use std::marker::PhantomData;
 use std::ops::{ControlFlow, Range};
 
@@ -165,57 +165,6 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Ivp<'w, Y, S, M, P> {
         Ivp { system, y0, v0, span, method, options, pace }
     }
 
-    /// The derivatives of f: `jacobian(t, y, j)` writes df_i/dy_k into `j[(i, k)]`, zeros left out. Methods with
-    /// implicit stages take differences of f where there is none.
-    pub fn jacobian<J>(self, jacobian: J) -> Ivp<'w, Y, WithJacobian<S, J>, M, P>
-    where
-        J: FnMut(RealOf<Y>, &Y, &mut Jacobian<Y::Scalar>),
-    {
-        let Self { system, y0, v0, span, method, options, pace } = self;
-        Ivp { system: WithJacobian { system, jacobian }, y0, v0, span, method, options, pace }
-    }
-
-    /// The entries of df/dy that can be other than zero: large systems are then solved banded or sparse, and
-    /// differences of f are taken for many columns at once.
-    pub fn pattern(mut self, pattern: Pattern) -> Self {
-        self.options.structure = Structure::Given(pattern);
-        self
-    }
-
-    /// Finds the pattern of the Jacobian by trying, with three evaluations of f a component. It misses an entry
-    /// that is zero at y0 and at two points beside it: where f has such, give the pattern.
-    pub fn detect_pattern(mut self) -> Self {
-        self.options.structure = Structure::Detected;
-        self
-    }
-
-    /// M y' = f(t, y): `mass(m)` writes M's entries into `m[(i, k)]`, zeros left out. M is constant and may be
-    /// singular, where the algebraic equations that it leaves determine the rest of y (index 1). For methods with
-    /// implicit stages.
-    ///
-    /// ```
-    /// use kutta::{methods::Rodas5p, solve};
-    ///
-    /// // y' = -z, 0 = z - y.
-    /// let f = |_t: f64, y: &[f64; 2], dy: &mut [f64; 2]| *dy = [-y[1], y[1] - y[0]];
-    /// let run = solve(f, [1.0, 1.0], 0.0..1.0).with(Rodas5p).mass(|m| m[(0, 0)] = 1.0).run()?;
-    /// assert!((run.y[1] - (-1f64).exp()).abs() < 1e-6);
-    /// # Ok::<(), kutta::Stopped<[f64; 2]>>(())
-    /// ```
-    pub fn mass(mut self, mass: impl FnOnce(&mut Mass<Y::Scalar>)) -> Self {
-        let mut entries = Mass::zero(self.y0.as_slice().len());
-        mass(&mut entries);
-        self.options.mass = Some(entries.constant());
-        self
-    }
-
-    /// Changes y0 until the algebraic equations of M y' = f(t, y) hold, M y0 held. Else a start that breaks them by
-    /// more than the tolerance is refused.
-    pub fn consistent(mut self) -> Self {
-        self.options.mend = true;
-        self
-    }
-
     /// Steps of one size: `round(span / h)` of them, so that the last one ends where the span does. Methods of
     /// variable order, `Bdf` and `Adams`, take none.
     ///
@@ -279,8 +228,8 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Ivp<'w, Y, S, M, P> {
         self
     }
 
-    /// How the next step follows from the errors of the last ones. Default: [`Controller::PI`]. Methods of
-    /// variable order have a rule of their own and refuse another.
+    /// How the next step follows from the errors of the last ones. Default: [`Controller::PI`] for explicit methods,
+    /// [`Controller::PREDICTIVE`] for implicit ones. Methods of variable order have a rule of their own and refuse another.
     pub fn controller(mut self, controller: Controller) -> Self {
         self.options.controller = Some(controller);
         self

@@ -9,6 +9,7 @@ mod dense;
 pub(crate) mod event;
 pub(crate) mod ivp;
 pub(crate) mod leg;
+mod matrices;
 pub(crate) mod outcome;
 mod run;
 mod start;

@@ -36,7 +36,8 @@ pub struct Rejections {
     pub domain: u64,
     /// Newton's iteration on an implicit stage diverged or was too slow.
     pub newton: u64,
-    /// The matrix of an implicit stage could not be factored.
+    /// The matrix of an implicit stage could not be factored, or could not have been in a somewhat smaller step: the
+    /// solution may grow faster than the step can follow.
     pub singular: u64,
 }
 
@@ -58,6 +59,7 @@ impl Refused {
             Unsolved::Domain => Why::OutOfDomain { stage: self.stage },
             Unsolved::Diverged => Why::NewtonFailed { stage: self.stage },
             Unsolved::Singular { component } => Why::Singular { component },
+            Unsolved::Outgrown => Why::Outgrown,
             Unsolved::NonFinite { component } => Why::NonFinite { component, stage: Some(self.stage) },
             Unsolved::Jacobian { component } => Why::Jacobian { component },
             Unsolved::OutsidePattern { row, column } => Why::OutsidePattern { row, column },
@@ -76,7 +78,7 @@ impl Rejections {
             Why::OutOfDomain { .. } => self.domain += 1,
             Why::NonFinite { .. } | Why::Jacobian { .. } | Why::OutsidePattern { .. } => self.non_finite += 1,
             Why::NewtonFailed { .. } => self.newton += 1,
-            Why::Singular { .. } => self.singular += 1,
+            Why::Singular { .. } | Why::Outgrown => self.singular += 1,
             _ => self.error += 1,
         }
     }
@@ -163,6 +165,9 @@ pub enum Why {
     NewtonFailed { stage: usize },
     /// The matrix of an implicit stage has no pivot in this column, and no smaller step helped.
     Singular { component: usize },
+    /// However small the step, the solution may grow faster than an implicit step can follow: it has a pole there, or
+    /// an eigenvalue of its Jacobian is too large.
+    Outgrown,
     /// An event recurs faster and faster, like a ball that comes to rest.
     TooManyEvents { event: usize },
 }
@@ -220,6 +225,7 @@ impl fmt::Display for Why {
                     "the matrix of the stages is singular in column {component}, however small the step"
                 )
             }
+            Why::Outgrown => f.write_str("the solution grows faster than any step can follow"),
             Why::TooManyEvents { event } => write!(f, "event {event} recurs without end"),
         }
     }

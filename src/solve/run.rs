@@ -189,6 +189,7 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
                     known = refused.stage > 0 && first_is_copy;
                     let factor = match why {
                         Why::NonFinite { .. } | Why::Jacobian { .. } => control.rejected(f64::NAN),
+                        Why::NewtonFailed { .. } => control.diverged(),
                         _ => control.refused(),
                     };
                     h = step * RealOf::<Y>::from_f64(factor);
@@ -277,7 +278,7 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
             known = true;
         }
         stats.accepted += 1;
-        last = step;
+        let before_last = std::mem::replace(&mut last, step);
         if P::ADAPTIVE {
             lost = (step - (next - t)) + lost;
             let factor = match &mut solver {
@@ -285,7 +286,7 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
                     let (form, words) = stepper.form_and_words();
                     solver.chosen(form, words)
                 }
-                _ => control.accepted(square),
+                _ => control.accepted(square, || (step / before_last).to_f64()),
             };
             let next_step = step * RealOf::<Y>::from_f64(factor);
             let next_step = match &solver {

@@ -42,7 +42,7 @@ pub struct Steps<'w, Y: State, S, M: Method, P> {
     /// Times at which a leg ends, the next one last.
     pub(super) stops: Vec<RealOf<Y>>,
     pub(super) rules: Rules<RealOf<Y>>,
-    pub(super) controller: Controller,
+    pub(super) controller: Option<Controller>,
     pub(super) options: Options<'w, Y>,
     pub(super) watch: Watch<'w, Y>,
     pub(super) stats: Stats,
@@ -74,13 +74,15 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         let Ivp { system, y0, v0, span, method, mut options, .. } = ivp;
         let mass = options.mass.is_some();
         let auto = const { M::AUTO && P::ADAPTIVE };
-        let stiff = (auto && mass).then(|| stiff_method(&options.tolerance));
+        let approximate = system.is_approximate();
+        let stiff = (auto && mass).then(|| stiff_method(&options.tolerance, approximate));
         let (name, form) = match &stiff {
             Some(stiff) => (stiff.name(), stiff.form()),
             None => (method.name(), form_of(&method)),
         };
         let named = (name, form);
-        let failed = check(named, P::ADAPTIVE, &y0, v0.as_ref(), &span, &options).map(Why::Invalid);
+        let failed =
+            check(named, (P::ADAPTIVE, approximate), &y0, v0.as_ref(), &span, &options).map(Why::Invalid);
         let (t, end) = (span.start, span.end);
         let stops = stops(t, end, &options.breaks);
         let tiny = |x: RealOf<Y>| x.maximum(RealOf::<Y>::TINY);
@@ -112,14 +114,15 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
             point: y0.clone(),
             second_order: form.d == 2,
         };
-        let controller = options.controller.unwrap_or_default();
+        let controller = options.controller;
         let stats = Stats::default();
         let h = RealOf::<Y>::zero();
         let chooser = match auto {
             true => {
                 let patterned =
                     || !matches!(options.structure, Structure::System) || system.pattern().is_some();
-                Chooser::new(&method, (t, y0.as_slice().len()), mass, patterned, &rules.tolerance)
+                let size = (t, y0.as_slice().len());
+                Chooser::new(&method, size, (mass, approximate), patterned, &rules.tolerance)
             }
             false => Chooser::named(),
         };
@@ -230,7 +233,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         let lent = Lent(&mut system);
         let leg = match self.stiff_leg.take() {
             Some(leg) => ControlFlow::Continue(leg.with(lent)),
-            None => self.begin(stiff_method(&self.rules.tolerance), lent, stop)?,
+            None => self.begin(self.chooser.stiff_method(&self.rules.tolerance), lent, stop)?,
         };
         let result = match leg {
             ControlFlow::Break(_) => Ok(()),
@@ -267,7 +270,9 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
                 self.options.step = Some(leg.h.modulus());
                 self.chooser.turn(leg.t, self.method.name(), &self.rules.tolerance);
                 self.watch.dense = match self.chooser.stiff {
-                    true => Dense::new(&stiff_method(&self.rules.tolerance).form, &self.y, false),
+                    true => {
+                        Dense::new(&self.chooser.stiff_method(&self.rules.tolerance).form, &self.y, false)
+                    }
                     false => Dense::new(form_of(&self.method), &self.y, false),
                 };
             }

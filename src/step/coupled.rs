@@ -125,15 +125,17 @@ impl<Y: State> Coupled<Y> {
         self.old_h = h;
     }
 
-    fn factor(
+    /// Makes the factors for a step of size `h`, where they are not there. Whether those of the real eigenvalues have
+    /// an odd number of negative determinants.
+    pub fn factor(
         &mut self,
         jacobian: &Y::Square,
         mass: Option<&ConstantMass<Y::Scalar>>,
         h: RealOf<Y>,
         effort: &mut Effort,
-    ) -> Result<(), Unsolved> {
+    ) -> Result<bool, Unsolved> {
         if self.h == h {
-            return Ok(());
+            return Ok(false);
         }
         self.h = RealOf::<Y>::zero();
         let singular = |component| Unsolved::Singular { component };
@@ -157,7 +159,7 @@ impl<Y: State> Coupled<Y> {
             effort.factorizations += 1;
         }
         self.h = h;
-        Ok(())
+        Ok(self.single.iter().fold(false, |odd, block| odd ^ block.matrix.negative()))
     }
 
     /// Solves the stages: `slopes` come out as the F_i, `last` as the last Y.
@@ -165,7 +167,7 @@ impl<Y: State> Coupled<Y> {
     pub fn solve<S: System<Y>>(
         &mut self,
         system: &mut S,
-        (jacobian, mass): (&Y::Square, Option<&ConstantMass<Y::Scalar>>),
+        mass: Option<&ConstantMass<Y::Scalar>>,
         (t, end): (RealOf<Y>, RealOf<Y>),
         h: RealOf<Y>,
         y: &Y,
@@ -175,7 +177,6 @@ impl<Y: State> Coupled<Y> {
         mut iteration: Iteration,
         effort: &mut Effort,
     ) -> Result<Iteration, Unsolved> {
-        self.factor(jacobian, mass, h, effort)?;
         self.guess(h, slopes);
         let s = slopes.len();
         for (stage, row) in self.stages.iter_mut().zip(&self.a) {

@@ -9,7 +9,7 @@ use super::stepper::{Refused, Unsolved};
 use super::system::System;
 use crate::linear::Square;
 use crate::tableau::{Form, Meaning};
-use num_traits::Zero;
+use num_traits::{One, Zero};
 
 impl<Y: State> Solver<Y> {
     /// Stage after stage: Y = g + h a f(t, Y) by Newton's iteration on the slope F, so that no residual is
@@ -54,28 +54,51 @@ impl<Y: State> Solver<Y> {
                 finite(&x[form.r + i]).map_err(refused)?;
                 continue;
             }
-            // The first guess is the slope of the stage before; the first stage's is the newest there is.
-            let from = match i {
-                0 => (0..form.r).find(|&j| form.means[j] == Meaning::F(0)).unwrap_or(form.r + form.s - 1),
-                i => form.r + i - 1 - form.split() as usize,
-            };
-            if i == 0 && from >= form.r && !self.begun {
-                // A slope far from where the solution wants to be would be larger than all that follows.
-                x[form.r].as_mut_slice().fill(Y::Scalar::zero());
-            } else if let Ok([to, from]) = x.get_disjoint_mut([form.r + i, from]) {
-                to.as_mut_slice().copy_from_slice(from.as_slice());
-            }
-            if let Some((before, share)) = trend(form, i)
-                && let Ok([to, old]) = x.get_disjoint_mut([form.r + i, before])
-            {
-                for (to, &old) in to.as_mut_slice().iter_mut().zip(old.as_slice()) {
-                    *to = *to + (*to - old).scale(RealOf::<Y>::from_f64(share));
-                }
+            if form.split() {
+                self.guess_split(form, i, h, x, &out[0]);
+            } else {
+                self.guess(form, i, x);
             }
             let factors = self.factored(row.diagonal, powers[form.d]).map_err(refused)?;
             self.iterate(factors, system, at, &mut out[0], &mut x[form.r + i]).map_err(refused)?;
         }
         Ok(())
+    }
+
+    /// The slope of the stage before, drawn on; the first stage's is the newest there is.
+    fn guess(&self, form: &Form, i: usize, x: &mut [Y]) {
+        let from = match i {
+            0 => (0..form.r).find(|&j| form.means[j] == Meaning::F(0)).unwrap_or(form.r + form.s - 1),
+            i => form.r + i - 1,
+        };
+        if i == 0 && from >= form.r && !self.begun {
+            // A slope far from where the solution wants to be would be larger than all that follows.
+            x[form.r].as_mut_slice().fill(Y::Scalar::zero());
+        } else if let Ok([to, from]) = x.get_disjoint_mut([form.r + i, from]) {
+            to.as_mut_slice().copy_from_slice(from.as_slice());
+        }
+        if let Some((before, share)) = trend(form, i)
+            && let Ok([to, old]) = x.get_disjoint_mut([form.r + i, before])
+        {
+            for (to, &old) in to.as_mut_slice().iter_mut().zip(old.as_slice()) {
+                *to = *to + (*to - old).scale(RealOf::<Y>::from_f64(share));
+            }
+        }
+    }
+
+    /// Of a pair in two parts: what takes g to y + c h (F + G), F the last slope of the step before and G the other
+    /// part's at the start. The slopes of this step will not do: the first is f at the start, where the error that an
+    /// iteration left is multiplied by the stiffness, and those after it undo that.
+    fn guess_split(&self, form: &Form, i: usize, h: RealOf<Y>, x: &mut [Y], g: &Y) {
+        let (r, last) = (form.r, form.r + form.s - 2);
+        let c = RealOf::<Y>::of(form.c[i]);
+        let per = RealOf::<Y>::one() / (h * RealOf::<Y>::of(form.stage[i].diagonal));
+        for n in 0..g.as_slice().len() {
+            let kept = if self.begun { x[last].as_slice()[n] } else { Y::Scalar::zero() };
+            let slope = kept + x[r + 1].as_slice()[n];
+            let there = x[0].as_slice()[n] - g.as_slice()[n] + slope.scale(c * h);
+            x[r + i].as_mut_slice()[n] = there.scale(per);
+        }
     }
 
     /// `y` comes in as g and leaves as Y, `slope` comes in as a guess of F.
@@ -125,11 +148,10 @@ fn counted<Y: State, S: System<Y>>(nonstiff: bool, system: &S) -> u64 {
 /// Where the two stages before this one tell how its slope goes on: the earlier one's place, and how far the line
 /// through both reaches beyond the later one. No farther than it is long.
 fn trend(form: &Form, i: usize) -> Option<(usize, f64)> {
-    let per = 1 + form.split() as usize;
-    if form.r > 2 || i < 2 * per {
+    if form.r > 2 || i < 2 {
         return None;
     }
-    let [now, last, before] = [0, per, 2 * per].map(|back| form.c[i - back].hi());
+    let [now, last, before] = [0, 1, 2].map(|back| form.c[i - back].hi());
     let share = (now - last) / (last - before);
-    (share.abs() <= 1.0).then_some((form.r + i - 2 * per, share))
+    (share.abs() <= 1.0).then_some((form.r + i - 2, share))
 }

@@ -171,6 +171,7 @@ impl<Y: State> Solver<Y> {
                 }
                 self.tried = h;
                 loop {
+                    self.iteration.begin_step(self.here);
                     let solved = match stages {
                         Stages::Full => self.all(form, x, out, system, (t, end), h),
                         _ if form.split() => {
@@ -180,7 +181,7 @@ impl<Y: State> Solver<Y> {
                     };
                     let Err(refused) = solved else { break };
                     // A new Jacobian before a smaller step.
-                    if self.here || refused.why != Unsolved::Diverged {
+                    if self.here || !matches!(refused.why, Unsolved::Diverged | Unsolved::Outgrown) {
                         return Err(refused);
                     }
                     self.renew(form, system, t, h, &x[0])?;
@@ -226,8 +227,21 @@ impl<Y: State> Solver<Y> {
         factors.hg = RealOf::<Y>::zero();
         factor_shifted(&mut factors.matrix, &self.jacobian, self.mass.as_deref(), |m| m, |j| j.scale(-hg))
             .map_err(|component| Unsolved::Singular { component })?;
-        factors.hg = hg;
+        if factors.matrix.negative() && self.outgrown(hg) {
+            return Err(Unsolved::Outgrown);
+        }
+        self.factors[at].hg = hg;
         Ok(())
+    }
+
+    /// A determinant of I - hg J below 0 means that an eigenvalue of J is real and larger than 1/(hg): what grows like
+    /// that would be damped, and the solution left for one that is not there. Steps that are chosen avoid it, unless
+    /// the sign may be that of rounding in J.
+    fn outgrown(&self, hg: RealOf<Y>) -> bool {
+        let entries = self.jacobian.entries().iter().map(|x| x.modulus());
+        let largest = entries.fold(RealOf::<Y>::zero(), |a, b| if b > a { b } else { a });
+        let rounding = (hg * largest).modulus() * RealOf::<Y>::EPSILON;
+        self.adaptive && self.mass.is_none() && rounding * RealOf::<Y>::from_f64(1e2) < RealOf::<Y>::one()
     }
 
     /// f at the start of the step.
@@ -274,9 +288,15 @@ impl<Y: State> Solver<Y> {
         let (z, slopes) = x.split_at_mut(form.r);
         self.slope(system, t, &z[0]).map_err(refused)?;
         let Some(coupled) = &mut self.coupled else { return Err(refused(Unsolved::Diverged)) };
+        let negative =
+            coupled.factor(&self.jacobian, self.mass.as_deref(), h, &mut self.effort).map_err(refused)?;
+        if negative && self.outgrown(h) {
+            return Err(refused(Unsolved::Outgrown));
+        }
+        let Some(coupled) = &mut self.coupled else { return Err(refused(Unsolved::Diverged)) };
         let solved = coupled.solve(
             system,
-            (&self.jacobian, self.mass.as_deref()),
+            self.mass.as_deref(),
             (t, end),
             h,
             &z[0],

@@ -24,6 +24,9 @@ pub(super) struct Iteration {
     factor: f64,
     /// The slowest convergence since the Jacobian was taken.
     slowest: f64,
+    /// The Jacobian is one of the past, and has not been seen to serve in this step. A matrix that is much too large
+    /// makes a first correction small, wherever the solution is: the second one tells.
+    unproven: bool,
 }
 
 /// How the corrections of a multistep formula converge. Its predictions are good, and its equations alike from step
@@ -80,12 +83,17 @@ impl Iteration {
     /// One that ends below `enough`; without an error test (`adaptive` false) stages are solved to rounding.
     pub fn new(enough: f64, rounding: f64, adaptive: bool) -> Self {
         let most = MOST[!adaptive as usize];
-        Self { enough, rounding, most, count: 0, last: 0.0, factor: 1.0, slowest: 1.0 }
+        Self { enough, rounding, most, count: 0, last: 0.0, factor: 1.0, slowest: 1.0, unproven: false }
     }
 
     /// A new Jacobian, of which nothing is known yet.
     pub fn forget(&mut self) {
         (self.slowest, self.factor) = (0.0, 1.0);
+    }
+
+    /// A step, with the Jacobian of its start (`here`) or of one before.
+    pub fn begin_step(&mut self, here: bool) {
+        self.unproven = !here;
     }
 
     /// The Jacobian is one of the past: what it was good for says less of what it is.
@@ -112,6 +120,7 @@ impl Iteration {
                 return Some(if size <= self.rounding { Ok(()) } else { Err(Unsolved::Diverged) });
             }
             self.slowest = self.slowest.max(rate);
+            self.unproven = false;
             self.factor = rate / (1.0 - rate);
             // What the iterations that are left can do at this rate.
             let hopeless = self.factor * size * rate.powi(self.most - 1 - self.count) > self.enough;
@@ -122,7 +131,8 @@ impl Iteration {
                 return Some(Err(Unsolved::Diverged));
             }
         }
-        if self.factor * size <= self.enough || self.count + 1 == self.most {
+        let proven = !self.unproven || size <= self.rounding;
+        if proven && self.factor * size <= self.enough || self.count + 1 == self.most {
             return Some(Ok(()));
         }
         self.count += 1;
@@ -135,6 +145,6 @@ impl Iteration {
         // To rounding, every iteration has to show its own convergence.
         let rounding = self.most == MOST[1];
         self.factor = if rounding { 1.0 } else { from.factor.max(f64::EPSILON).powf(0.8) };
-        self.slowest = from.slowest;
+        (self.slowest, self.unproven) = (from.slowest, from.unproven);
     }
 }

@@ -30,6 +30,9 @@ pub enum Unsolved {
     Diverged,
     /// The matrix M - h g J has no pivot in this column.
     Singular { component: usize },
+    /// The matrix M - h g J is that of a smaller step with a determinant of the other sign: between the two a solution
+    /// grows without bound.
+    Outgrown,
     /// The right-hand side gave a NaN or an infinity in this component.
     NonFinite { component: usize },
     /// The Jacobian has one in this row.

@@ -32,6 +32,12 @@ pub trait System<Y: State> {
         false
     }
 
+    /// What [`jacobian`](Self::jacobian) writes is only near df/dy. Methods that iterate take any such matrix,
+    /// Rosenbrock methods where their table is proven to keep its orders with it (W-methods).
+    fn is_approximate(&self) -> bool {
+        false
+    }
+
     /// Writes df_i/dt, where the system knows it, and answers whether it does. Rosenbrock methods take a difference
     /// of f otherwise.
     fn time_derivative(&mut self, _t: RealOf<Y>, _y: &Y, _dfdt: &mut Y) -> bool {
@@ -75,6 +81,7 @@ pub trait System<Y: State> {
 pub struct WithJacobian<S, J> {
     pub(crate) system: S,
     pub(crate) jacobian: J,
+    pub(crate) approximate: bool,
 }
 
 impl<Y: State, S: System<Y>, J: FnMut(RealOf<Y>, &Y, &mut Jacobian<Y::Scalar>)> System<Y>
@@ -91,6 +98,9 @@ impl<Y: State, S: System<Y>, J: FnMut(RealOf<Y>, &Y, &mut Jacobian<Y::Scalar>)> 
             (self.jacobian)(t, y, j);
         }
         whole
+    }
+    fn is_approximate(&self) -> bool {
+        self.approximate
     }
     fn is_split(&self) -> bool {
         self.system.is_split()

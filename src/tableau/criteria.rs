@@ -2,7 +2,7 @@
 
 use super::derive::Stages;
 use super::double_double::DoubleDouble as D;
-use super::form::{Form, Meaning, Row, STAGES};
+use super::form::{CARRIED, Form, Meaning, Row, STAGES};
 use super::{Array, Splitting, Steps};
 
 /// The last stage of a one-step method is its next step's first.
@@ -68,6 +68,58 @@ pub(super) fn blind(array: &Array, gamma: Option<&Array>, tolerance: f64) -> Vec
         })
     };
     array.bhat[..array.lower].iter().map(blind).collect()
+}
+
+/// What a step errs over its first estimate of that, the larger of two: on y' = -y with h = 1/10; and, of implicit
+/// stages, on y' = lambda (y - t^k) + k t^(k-1), the slow motion of a stiff equation, over h lambda = -1, -2, -4, -8
+/// together, k being the first power that is missed. Far above 1 the estimate says too little there. `None` without an
+/// embedded row, or where stages are not found one after the other.
+pub(crate) fn estimate_misses(form: &Form) -> Option<f64> {
+    let known = form.means[..form.r].iter().all(|mean| matches!(mean, Meaning::Y(0) | Meaning::F(0)));
+    if form.errors == 0 || form.d != 1 || form.linear || !known || matches!(form.stages(), Stages::Full) {
+        return None;
+    }
+    let z = D::of(-1.0) / D::of(10.0);
+    let exact = (1..=20).rev().fold(D::ONE, |sum, k| D::ONE + z / D::of_integer(k) * sum);
+    let (end, estimate) = step_of_lambda(form, z, None);
+    let alone = ((end - exact) / estimate).abs().hi();
+    if form.explicit() {
+        return Some(alone);
+    }
+    let forced = (2..=form.order as u32 + 1).find_map(|k| {
+        let size = |x: D| x.hi() * x.hi();
+        let sums = [-1.0, -2.0, -4.0, -8.0].iter().fold([0.0; 2], |[errors, estimates], &z| {
+            let (end, estimate) = step_of_lambda(form, D::of(z), Some(k));
+            [errors + size(end - D::ONE), estimates + size(estimate)]
+        });
+        (sums[0] > 1e-20).then(|| (sums[0] / sums[1]).sqrt())
+    });
+    Some(alone.max(forced.unwrap_or(0.0)))
+}
+
+/// The end and the estimate of a step of y' = z y from 1, h = 1; with a power k, of y' = z (y - t^k) + k t^(k-1) from
+/// 0, which ends at 1. All of f is in the part that is not explicit.
+fn step_of_lambda(form: &Form, z: D, power: Option<u32>) -> (D, D) {
+    let mut x = [D::ZERO; CARRIED + STAGES];
+    if power.is_none() {
+        for (x, mean) in x.iter_mut().zip(&form.means[..form.r]) {
+            *x = if matches!(mean, Meaning::Y(0)) { D::ONE } else { z };
+        }
+    }
+    let value = |row: &Row, x: &[D]| {
+        let base = row.base.map_or(D::ZERO, |base| x[base]);
+        (0..row.len).fold(base, |sum, k| sum + row.a[k] * x[row.at[k]])
+    };
+    for i in (0..form.s).filter(|&i| !form.nonstiff[i]) {
+        let (row, c) = (&form.stage[i], form.c[i]);
+        let pull = power.map_or(D::ZERO, |k| D::of(f64::from(k)) * c.powi(k - 1) - z * c.powi(k));
+        x[form.r + i] = (z * value(row, &x) + pull) / (D::ONE - z * row.diagonal);
+    }
+    let end = match form.carry[0].last_y {
+        true => value(&form.stage[form.s - 1], &x) + form.stage[form.s - 1].diagonal * x[form.r + form.s - 1],
+        false => value(&form.carry[0], &x),
+    };
+    (end, value(&form.error[0], &x))
 }
 
 /// b_i a^_ij + b^_j a_ji = b_i b^_j and b = b^; for a single array: Sanz-Serna 1988, Lasagni 1988.

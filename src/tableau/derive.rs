@@ -5,11 +5,12 @@ use super::double_double::DoubleDouble as D;
 use super::error::TableauError;
 use super::evidence::Evidence;
 use super::form::Meaning;
+use super::inexact::inexact;
 use super::lower::{first_is_last, runge_kutta};
 use super::prove::prove_to;
 use super::roots::zero_stable;
 use super::series::{Forms, Solution, defects};
-use super::sizes::{amplification, largest_a, norm, rounded};
+use super::sizes::*;
 use super::stability::{Characteristic, Locus};
 use super::stiff::{StiffOrder, of_formula, stiff_order};
 use super::{Members, Scheme, Tableau};
@@ -89,8 +90,17 @@ pub struct Properties {
     pub sum_b: f64,
     /// The largest absolute weight of a slope in a stage.
     pub max_a: f64,
+    /// The order that is left of a Rosenbrock method with any matrix in place of the Jacobian: `order` where it is a
+    /// W-method (Steihaug, Wolfbrandt 1979). Looked for to order 6.
+    pub w_order: Option<usize>,
+    /// The same of each embedded row.
+    pub w_embedded: Vec<usize>,
     /// Whether each embedded row's estimate is zero for y' = f(t), whatever f.
     pub blind: Vec<bool>,
+    /// What a step errs over its first estimate of that, on linear and on stiff equations: above 2 the estimate says
+    /// too little there. The larger of that on y' = -y with h = 1/10 and, of implicit stages, on the equation of
+    /// Prothero and Robinson with t^k, k the first power missed, over h lambda = -1, -2, -4, -8. Of Runge-Kutta pairs.
+    pub estimate_misses: Option<f64>,
     /// Conserves quadratic invariants (pairs and second-order methods: symplectic).
     pub symplectic: Option<bool>,
     /// A composition that reads the same backwards: reversible in time.
@@ -262,7 +272,14 @@ impl Tableau<'_> {
             residual_f32: residual(|x| D::of(f64::from(x.to_f32()))),
             sum_b: amplification(&forms),
             max_a: largest_a(&forms),
+            w_order: None,
+            w_embedded: vec![],
             blind: vec![],
+            estimate_misses: match &self.scheme {
+                Scheme::RungeKutta(_) => estimate_misses(first),
+                Scheme::Imex { .. } => estimate_misses(&forms.form[1]),
+                _ => None,
+            },
             symplectic: None,
             symmetric: None,
             members: vec![],
@@ -304,6 +321,9 @@ impl Tableau<'_> {
                 all.stiffly_accurate = Some(at_end && last_row_is(&beta, &alpha.b, n, loose));
                 all.evaluations = (0..n).filter(|&i| !alpha.a[..i].contains(&alpha.a[i])).count();
                 all.blind = blind(alpha, Some(gamma), loose);
+                let left = inexact(self, alpha, gamma);
+                all.w_order = Some(left.step);
+                all.w_embedded = left.embedded[..alpha.lower].to_vec();
             }
             Scheme::Multistep(steps) => {
                 let (limits, locus) = (Characteristic::of(first), Locus::of(steps));

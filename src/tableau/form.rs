@@ -146,6 +146,16 @@ impl Row {
     }
 }
 
+/// Orders of a method's three solutions.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Orders {
+    pub step: usize,
+    /// Of each embedded row.
+    pub embedded: [usize; 2],
+    /// Of the dense output.
+    pub dense: usize,
+}
+
 /// A method, lowered: what the one stepper runs.
 #[derive(Clone, Copy)]
 pub struct Form {
@@ -175,6 +185,9 @@ pub struct Form {
     pub linear: bool,
     pub couple: [[D; STAGES]; STAGES],
     pub time: [D; STAGES],
+    /// What is left of the orders of a Rosenbrock method with any matrix in place of the Jacobian, and any vector
+    /// in place of df/dt: all of them for a W-method. Looked for to order 6.
+    pub inexact: Orders,
     /// Stage i evaluates the part of f that is not stiff, of an IMEX pair; all others evaluate the stiff part.
     pub nonstiff: [bool; STAGES],
     /// Extra stages of the dense output; stage s + i evaluates f at c[s + i], row stage[s + i].
@@ -206,6 +219,7 @@ impl Form {
         linear: false,
         couple: [[D::ZERO; STAGES]; STAGES],
         time: [D::ZERO; STAGES],
+        inexact: Orders { step: 0, embedded: [0; 2], dense: 0 },
         nonstiff: [false; STAGES],
         extra: 0,
         orders: 0,

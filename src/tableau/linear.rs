@@ -14,6 +14,7 @@
 
 use super::double_double::DoubleDouble as D;
 use super::form::{Form, Row, STAGES};
+use super::inexact::inexact;
 use super::lower::{finish, slopes};
 use super::{Array, Tableau};
 
@@ -65,6 +66,7 @@ pub(super) const fn rosenbrock(t: &Tableau, alpha: &Array, gamma: &Array, form: 
     finish(t, form);
     // A stage's F is no slope of its Y here, and y' none of its stages.
     form.carry[0] = Row { last_y: false, ..form.carry[0] };
+    form.inexact = inexact(t, alpha, gamma);
 }
 
 /// The inverse of a lower triangular matrix whose diagonal has no zero.

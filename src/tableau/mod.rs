@@ -1,13 +1,14 @@
 //! Methods as data: a file becomes a [`Tableau`], is proven, and is lowered to the one [`Form`] that steps.
 
 mod collocation;
-mod criteria;
+pub(crate) mod criteria;
 mod derive;
 mod double_double;
 mod error;
 mod evidence;
 mod form;
 mod history;
+mod inexact;
 mod linear;
 mod lower;
 mod nordsieck;
@@ -28,7 +29,7 @@ pub use derive::{Member, Properties, Stages};
 pub use double_double::DoubleDouble;
 pub use error::{Broken, TableauError, Text};
 pub use evidence::Evidence;
-pub use form::{CARRIED, Form, Meaning, POWERS, Row, STAGES, TERMS};
+pub use form::{CARRIED, Form, Meaning, Orders, POWERS, Row, STAGES, TERMS};
 pub use nordsieck::{Corrector, Members, ORDERS};
 pub(crate) use prove::tolerance;
 pub(crate) use read::stencil;

@@ -8,10 +8,10 @@ use super::double_double::DoubleDouble as D;
 use super::form::{CARRIED, Form, Meaning, Row, STAGES};
 use super::lower;
 use super::trees::{Kind, Tree, falling};
-use super::{Scheme, Tableau};
+use super::{Array, Scheme, Tableau};
 
 /// What the trees are evaluated on: the one form; one for each colour of a vertex, with the same stages; or
-/// that of alpha and that of alpha + gamma for a Rosenbrock method.
+/// that of alpha and that of alpha + gamma for a Rosenbrock method, of alpha and of gamma with any matrix.
 #[derive(Clone, Copy)]
 pub(super) struct Forms {
     pub kind: Kind,
@@ -56,6 +56,14 @@ impl Forms {
                 forms.kind = if form.d == 2 { Kind::Nystrom } else { Kind::Rooted };
             }
         }
+        forms
+    }
+
+    /// Those of a Rosenbrock method with any matrix in place of the Jacobian.
+    pub const fn inexact(t: &Tableau, alpha: &Array, gamma: &Array) -> Forms {
+        let mut forms = Forms { kind: Kind::Inexact, form: [lower::BLANK; 2] };
+        lower::runge_kutta(t, alpha, false, &mut forms.form[0]);
+        lower::runge_kutta(t, &Array { a: gamma.a, ..*alpha }, false, &mut forms.form[1]);
         forms
     }
 
@@ -149,7 +157,10 @@ impl<'m> Series<'m> {
         let (tree, d) = (&self.trees[t], self.forms.kind.d());
         let form = self.forms.of_colour(tree.colour);
         self.x = [D::ZERO; CARRIED + STAGES];
-        self.exact = D::ONE.over(D::of_integer(tree.gamma));
+        self.exact = match tree.gamma {
+            0 => D::ZERO,
+            gamma => D::ONE.over(D::of_integer(gamma)),
+        };
         let mut j = 0;
         while j < form.r {
             if self.order != tree.order {
@@ -162,12 +173,17 @@ impl<'m> Series<'m> {
         self.order = tree.order;
         let all = if tree.order <= form.dense_order { form.s + form.extra } else { form.s };
         let rosenbrock = matches!(self.forms.kind, Kind::Rosenbrock);
+        let by_matrix = match self.forms.kind {
+            Kind::Rosenbrock => tree.children == 1,
+            Kind::Inexact => tree.colour == 1,
+            _ => false,
+        };
         let (r, mut i) = (form.r, 0);
         while i < all {
             self.x[r + i] = if tree.children == 0 {
-                if tree.order == d { D::ONE } else { D::ZERO }
-            } else if rosenbrock && tree.children == 1 {
-                // J times the increments: an only child is weighted with alpha + gamma.
+                if tree.order == d && tree.gamma != 0 { D::ONE } else { D::ZERO }
+            } else if by_matrix {
+                // J times the increments: an only child is weighted with alpha + gamma. A times them: with gamma.
                 apply(&self.forms.form[1].stage[i], &self.smaller[tree.graft], r + i)
             } else {
                 let stump = &self.trees[tree.stump];

@@ -1,4 +1,4 @@
-//! How large the errors and the weights of a method are.
+//! How large: the local error, the weights, and the table with its numbers rounded.
 
 use super::double_double::DoubleDouble as D;
 use super::form::{Form, Meaning, Row};

@@ -16,6 +16,9 @@ pub(super) enum Kind {
     Rooted,
     /// y' = f(t, y), the method having the Jacobian in its stages: the same trees, other weights.
     Rosenbrock,
+    /// The same with any matrix A in place of the Jacobian: every vertex is an f or an A, and an A has one child
+    /// (Hairer, Wanner II, IV.7). The exact solution knows no A: gamma is 0 where there is one.
+    Inexact,
     /// y'' = f(t, y).
     Nystrom,
     /// y' = f(t, y) + g(t, y): every vertex is an f or a g.
@@ -27,7 +30,7 @@ pub(super) enum Kind {
 #[derive(Clone, Copy)]
 pub(super) struct Tree {
     pub order: usize,
-    /// 0, or 1 where the root is a g.
+    /// 0, or 1 where the root is a g or an A.
     pub colour: usize,
     pub children: usize,
     /// The tree without its last child, and that child; meaningless where there is none.
@@ -37,6 +40,7 @@ pub(super) struct Tree {
     repeats: i64,
     /// gamma of all children, multiplied.
     below: i64,
+    /// 0 where the exact solution has no such tree.
     pub gamma: i64,
     /// The number of symmetries.
     pub sigma: i64,
@@ -73,7 +77,7 @@ impl Kind {
     /// Highest order of a method that the compiler proves; beyond it the trees are too many.
     pub const fn limit(self) -> usize {
         match self {
-            Kind::Coloured | Kind::Alternating => COLOURED,
+            Kind::Coloured | Kind::Alternating | Kind::Inexact => COLOURED,
             _ => ROOTED,
         }
     }
@@ -84,11 +88,13 @@ impl Kind {
         const N: &[Tree] = &all::<80>(Kind::Nystrom, NYSTROM);
         const C: &[Tree] = &all::<1202>(Kind::Coloured, COLOURED);
         const A: &[Tree] = &all::<74>(Kind::Alternating, COLOURED);
+        const I: &[Tree] = &all::<167>(Kind::Inexact, COLOURED);
         match self {
             Kind::Rooted | Kind::Rosenbrock => R,
             Kind::Nystrom => N,
             Kind::Coloured => C,
             Kind::Alternating => A,
+            Kind::Inexact => I,
         }
     }
 
@@ -108,8 +114,16 @@ impl Kind {
 
     const fn colours(self) -> usize {
         match self {
-            Kind::Coloured | Kind::Alternating => 2,
+            Kind::Coloured | Kind::Alternating | Kind::Inexact => 2,
             _ => 1,
+        }
+    }
+
+    /// What a root multiplies gamma with, |t| (|t| - 1) .. (|t| - d + 1) of an f.
+    const fn root(self, colour: usize, order: usize, d: usize) -> i64 {
+        match self {
+            Kind::Inexact if colour == 1 => 0,
+            _ => falling(order, d),
         }
     }
 
@@ -118,6 +132,10 @@ impl Kind {
         stump.order >= self.d()
             && match self {
                 Kind::Alternating => stump.colour != graft.colour,
+                // A childless A is a stump and no tree: it is listed, and its weight is zero.
+                Kind::Inexact => {
+                    !(stump.colour == 1 && stump.children == 1 || graft.colour == 1 && graft.children == 0)
+                }
                 _ => true,
             }
     }
@@ -153,7 +171,7 @@ const fn grow(kind: Kind, order: usize, out: &mut [Tree]) -> Option<usize> {
             if count == out.len() {
                 return None;
             }
-            let gamma = falling(n, n);
+            let gamma = kind.root(colour, n, n);
             out[count] = Tree { order: n, colour, gamma, ..Tree::NONE };
             count += 1;
             colour += 1;
@@ -178,7 +196,7 @@ const fn grow(kind: Kind, order: usize, out: &mut [Tree]) -> Option<usize> {
                         graft: v,
                         repeats,
                         below,
-                        gamma: falling(n, d) * below,
+                        gamma: kind.root(stump.colour, n, d) * below,
                         sigma: stump.sigma * graft.sigma * repeats,
                     };
                     count += 1;
@@ -192,7 +210,7 @@ const fn grow(kind: Kind, order: usize, out: &mut [Tree]) -> Option<usize> {
     Some(count)
 }
 
-/// A tree as nested brackets, one pair for each f: `[[][]]`; a g is `()`, the initial y' is `v`.
+/// A tree as nested brackets, one pair for each f: `[[][]]`; a g or an A is `()`, the initial y' is `v`.
 pub(super) const fn write(text: Text, trees: &[Tree], t: usize, d: usize) -> Text {
     if trees[t].order < d {
         return text.str("v");
@@ -223,6 +241,8 @@ mod tests {
         assert_eq!(counts(Kind::Rooted, 10), [1, 1, 2, 4, 9, 20, 48, 115, 286, 719]);
         assert_eq!(counts(Kind::Coloured, 6), [2, 4, 14, 52, 214, 916]);
         assert_eq!(counts(Kind::Alternating, 6), [2, 2, 4, 8, 18, 40]);
+        // Hairer, Wanner II, IV.7: 1, 3, 8, 21, 58, 166 conditions to each order. The stump is one more.
+        assert_eq!(counts(Kind::Inexact, 6), [2, 2, 5, 13, 37, 108]);
         let snt: Vec<_> = (2..=9).map(|n| Kind::Nystrom.trees_to(n).len()).collect();
         assert_eq!(snt, [2, 3, 5, 8, 14, 24, 44, 80]);
     }

@@ -5,6 +5,7 @@
 mod bits;
 mod exact;
 mod file;
+mod inexact;
 mod report;
 mod second_order;
 mod spoiled;
@@ -77,6 +78,11 @@ fn for_every_file(check: fn(&File, &mut Report)) {
 #[test]
 fn every_order_holds_exactly_and_is_not_claimed_too_low() {
     for_every_file(prove);
+}
+
+#[test]
+fn what_any_matrix_leaves_of_the_orders_is_derived() {
+    for_every_file(inexact::check);
 }
 
 #[test]
