@@ -63,7 +63,12 @@ fn show_gives_coefficients_as_printed_and_as_numbers() {
     assert_eq!(properties["blind"], serde_json::json!([false]));
     // What does not apply is absent; what has no bound is a text, as JSON has no infinity.
     assert_eq!(properties.get("oscillation_limit"), None);
-    assert_eq!(json(&["show", "bdf2", "--json"])["properties"]["real_limit"], "inf");
+    let bdf3 = &json(&["show", "bdf3", "--json"])["properties"];
+    assert_eq!((&bdf3["real_limit"], &bdf3["evidence"]), (&"inf".into(), &"found".into()));
+    assert!(bdf3["alpha_within"].as_f64() < Some(1e-6) && bdf3["stiff_order"]["order"] == 3, "{bdf3}");
+    let rodas4 = &json(&["show", "rodas4", "--json"])["properties"];
+    assert_eq!((&rodas4["l_stable"], &rodas4["evidence"]), (&true.into(), &"proven".into()));
+    assert!(rodas4["alpha_within"].is_null(), "{rodas4}");
 }
 
 #[test]
@@ -111,6 +116,20 @@ fn show_prints_every_method() {
         let tableau = entry.tableau();
         assert!(shown.starts_with(&format!("{}: {}\n", entry.name, tableau.title)), "{}", entry.name);
         assert!(shown.contains(tableau.cite) && shown.contains("local error"), "{}", entry.name);
+    }
+    for (name, says) in [
+        ("rodas4", "A-stable and L-stable (proven)\n"),
+        ("gauss3", "A-stable (proven); |R| = 1 at infinity\n"),
+        (
+            "bdf3",
+            "A(alpha)-stable for alpha up to 86.03 degrees (found to 1e-9 degrees); |R| = 0 at infinity\n",
+        ),
+        ("am3", "in no sector about the negative real axis (proven)\n"),
+        ("bdf4", "the error goes like h^4 / |lambda| (Prothero, Robinson)\n"),
+        ("bdf", "h^2 / |lambda| on stiff problems\n"),
+    ] {
+        let shown = printed(&["show", name]);
+        assert!(shown.contains(says), "{name}: {shown}");
     }
     let rk4 = printed(&["show", "rk4"]);
     assert!(rk4.contains("1/2 │ 0    1/2\n"), "{rk4}");

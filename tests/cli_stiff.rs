@@ -48,6 +48,37 @@ fn hard_prints_a_table() {
 }
 
 #[test]
+fn hard_and_compare_take_the_choice_of_the_library() {
+    let rows =
+        json(&["hard", "--method", "auto,bdf", "--problem", "robertson-40-algebraic,heat1d", "--json"]);
+    let rows = rows.as_array().unwrap();
+    let of = |method: &str, problem: &str| {
+        let this = |row: &&serde_json::Value| row["method"] == method && row["problem"] == problem;
+        rows.iter().filter(this).collect::<Vec<_>>()
+    };
+    for (method, problem) in [("auto", "robertson-40-algebraic"), ("auto", "heat1d"), ("bdf", "heat1d")] {
+        let first = of(method, problem)[0];
+        let error = first["error"].as_f64().unwrap_or_else(|| panic!("{first}"));
+        assert!(error < 1e-3 * PROMISED && first["factorizations"].as_u64() > Some(0), "{first}");
+    }
+    assert_eq!(rows.len(), 4 * TOLERANCES.len());
+    // On a problem that is compiled with it, beside one that is not.
+    let out = Folder::new("auto");
+    let out = out.path("plots");
+    for problem in ["robertson-40", "lotka-volterra"] {
+        let args = ["compare", "--problem", problem, "--methods", "auto,rodas4", "--tolerances", "1e-3,1e-5"];
+        let rows = json(&[&args[..], &["--out", &out, "--json"]].concat());
+        let named: Vec<_> = rows.as_array().unwrap().iter().map(|row| row["method"].clone()).collect();
+        assert_eq!(named, ["auto", "auto", "rodas4", "rodas4"]);
+        for row in rows.as_array().unwrap() {
+            assert!(row["error"].as_f64() < Some(0.1) && row["failure"].is_null(), "{row}");
+            let stiff = problem == "robertson-40" || row["method"] == "rodas4";
+            assert_eq!(row["factorizations"].as_u64() > Some(0), stiff, "{row}");
+        }
+    }
+}
+
+#[test]
 fn hard_refuses_in_one_line() {
     let wrong = Folder::new("hard");
     let file = wrong.file("wrong.toml", b"order = 1\n");

@@ -2,7 +2,7 @@
 
 use kutta::compare::{Comparison, Outcome, Reference, Row, Unfit, cost_at, fastest_at, ranking_at};
 use kutta::methods::{self, Ab4, Bs54, Dop853, Dp54, Rk4, Tsit54, VelocityVerlet, Yoshida6};
-use kutta::{Loaded, OutOfDomain, System};
+use kutta::{Auto, Loaded, OutOfDomain, System};
 use std::cell::RefCell;
 use std::time::Duration;
 
@@ -44,6 +44,16 @@ fn every_run_is_a_whole_row() {
     let parts = [(size * angle.cos(), 5f64.cos()), (-size * angle.sin(), -5f64.sin())];
     let by_hand = parts.iter().map(|(y, exact)| (y - exact).abs() / (exact.abs() + 1.0)).fold(0.0, f64::max);
     assert!((outcome.rows[2].error.unwrap() / by_hand - 1.0).abs() < 1e-9);
+}
+
+/// The choice begins with tsit54, which may stand beside it.
+#[test]
+fn the_choice_of_the_library_has_its_own_name() {
+    let outcome = swings().method(Auto::new()).method(Tsit54).tolerances(&[1e-4]).run().unwrap();
+    let names: Vec<_> = outcome.rows.iter().map(|row| row.method.as_str()).collect();
+    assert_eq!(names, ["auto", "tsit54"]);
+    // Nothing is stiff here.
+    assert_eq!(outcome.rows[0].error, outcome.rows[1].error);
 }
 
 #[test]
@@ -224,6 +234,9 @@ fn the_fastest_is_read_off_the_rows() {
         row("a", 1e-6, 1e-3, 10_000),
         row("b", 1e-8, 1e-4, 500),
         Row { problem: "q".to_string(), ..row("c", 1e-9, 1e-9, 1) },
+        // Chosen in its course: the loose run is explicit to its end but for four Jacobians.
+        Row { problem: "s".to_string(), jacobians: 4, ..row("d", 1e-2, 1e-5, 100) },
+        Row { problem: "s".to_string(), jacobians: 16, factorizations: 9, ..row("d", 1e-4, 1e-4, 1000) },
     ];
     let near = |x: f64, y: f64| (x / y - 1.0).abs() < 1e-12;
 
@@ -236,6 +249,8 @@ fn the_fastest_is_read_off_the_rows() {
     let cost = cost_at(&rows, "p", "a", 0.5).unwrap();
     assert!(near(cost.seconds, 1e-5), "the loosest run is better already: {cost:?}");
     assert_eq!(cost_at(&rows, "p", "a", 1e-7), None);
+    let cost = cost_at(&rows, "s", "d", 1e-3).unwrap();
+    assert!(near(cost.jacobians, 8.0) && cost.factorizations == 9.0, "{cost:?}");
 
     let names = |error| ranking_at(&rows, "p", error).iter().map(|cost| cost.method).collect::<Vec<_>>();
     assert_eq!(names(1e-3), ["a", "b"]);

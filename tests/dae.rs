@@ -205,17 +205,19 @@ fn capacitors(m: &mut Mass<f64>) {
 const AMPLIFIER: [f64; 8] = [0.0, 3.0, 3.0, 6.0, 3.0, 3.0, 6.0, 0.0];
 
 #[test]
-fn the_transistor_amplifier_meets_the_published_values() {
-    // At t = 0.2 (Mazzia, Magherini 2008, Test Set for IVP Solvers, release 2.4, II-11).
+fn the_transistor_amplifier_has_the_digits_of_another_program() {
+    // At t = 0.2, by extrapolation of the midpoint rule to order 18 on the five charges, in 34 digits: runs of 4000 and
+    // 6000 steps agree in these. They have 12 digits in common with the published ones (Mazzia, Magherini 2008, Test Set
+    // for IVP Solvers, release 2.4, II-11).
     let reference = [
-        -0.5562145012262709e-2,
-        0.3006522471903042e1,
-        0.2849958788608128e1,
-        0.2926422536206241e1,
-        0.2704617865010554e1,
-        0.2761837778393145e1,
-        0.4770927631616772e1,
-        0.1236995868091548e1,
+        -5.562145012262275e-3,
+        3.006522471903043,
+        2.8499587886081286,
+        2.9264225362062417,
+        2.7046178650105546,
+        2.761837778393144,
+        4.770927631616773,
+        1.2369958680915476,
     ];
     for name in ["rodas5p", "rodas4", "radau-iia3", "kvaerno5", "kencarp4-esdirk"] {
         let Some(entry) = methods::find(name) else { continue };

@@ -1,7 +1,7 @@
 //! Derived properties against numbers from elsewhere: data/properties.toml, books and papers.
 
 use kutta::methods;
-use kutta::tableau::{Properties, Stages, Tableau};
+use kutta::tableau::{Evidence, Properties, Stages, Tableau};
 use std::sync::LazyLock;
 use toml::{Table, Value};
 
@@ -86,6 +86,29 @@ fn every_method_has_what_its_family_has() {
         assert!(p.residual_f64 <= p.residual_f32, "{name}");
         assert!(p.zero_stable != Some(false), "{name}");
     }
+}
+
+/// Signs of polynomials decide A-stability; the angle of a sector is found, but that there is none takes one point.
+#[test]
+fn what_is_proven_of_the_sector() {
+    let of_alpha = |p: &Properties| (p.alpha.map(|alpha| alpha > 0.0 && alpha < 90.0), p.evidence);
+    let mut proven = 0;
+    for (name, p) in ALL.iter() {
+        match of_alpha(p) {
+            (None, None) => assert!(p.a_stable.is_none(), "{name}"),
+            (Some(true), Some(Evidence::Found { degrees })) => assert!(degrees > 0.0, "{name}"),
+            (Some(false), Some(Evidence::Proven)) => proven += (p.a_stable == Some(true)) as usize,
+            // A table may touch the axis, where a double root is not told from two.
+            (Some(false), Some(Evidence::Found { .. })) => assert_eq!(p.a_stable, Some(true), "{name}"),
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+    assert!(proven > 55, "{proven}");
+    for name in ["rodas5", "kvaerno5", "gauss5", "kencarp4-7-imex", "lobatto-iiia4", "am1", "bdf2"] {
+        assert_eq!((of(name).a_stable, of(name).evidence), (Some(true), Some(Evidence::Proven)), "{name}");
+    }
+    let members = of("bdf").members.iter().map(|m| m.evidence == Evidence::Proven);
+    assert_eq!(members.collect::<Vec<_>>(), [true, true, false, false, false]);
 }
 
 #[test]

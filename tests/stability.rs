@@ -67,9 +67,8 @@ fn sizes(method: &Loaded, m: [[f64; 2]; 2], h: f64, steps: usize) -> Vec<f64> {
     ys.iter().map(|y| y[0].hypot(y[1])).chain(more).collect()
 }
 
-/// Whether the largest of the last quarter is larger than that of the quarter before. Roots that turn with
-/// different frequencies beat, and two quarters hold the same of a beat but for `slack`.
-fn grows(sizes: &[f64], slack: f64) -> bool {
+/// Whether the largest of the last quarter is more than `factor` times that of the quarter before.
+fn grows(sizes: &[f64], factor: f64) -> bool {
     if !(sizes[sizes.len() - 1] < f64::INFINITY) {
         return true;
     }
@@ -77,60 +76,84 @@ fn grows(sizes: &[f64], slack: f64) -> bool {
     let largest = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
     let (before, last) = (largest(&sizes[n - 2 * quarter..n - quarter]), largest(&sizes[n - quarter..]));
     // Below 1e-12 of the start nothing is left but what Newton's iteration leaves of its stages.
-    !(last <= (before * (1.0 + slack)).max(1e-12))
+    !(last <= (before * factor).max(1e-12))
 }
 
-/// Steps that show the growth 1.5 % beyond a limit: of h lambda in a step about. A method with a history must
-/// forget its start first.
-fn steps(history: bool, limit: f64) -> usize {
-    if history { (60.0 / limit).clamp(400.0, 5000.0) as usize } else { 40 }
+/// What tells growth from none.
+#[derive(Clone, Copy)]
+struct Trial {
+    steps: usize,
+    /// Of the largest of a quarter over that of the quarter before.
+    factor: f64,
 }
 
-/// What two quarters may differ by: rounding. A method that is stable on the imaginary axis alone has all its
-/// roots on the circle there, and their beat hides growth below a percent.
-fn slack(stability: &Stability) -> f64 {
-    if stability.limit(0.0) == 0.0 && stability.limit(90.0) > 0.0 { 1e-2 } else { 1e-9 }
+impl Trial {
+    /// By a root of modulus `w`. A method that carries y alone multiplies by it from the first step on. One with a
+    /// history holds other roots too, which the growing one must outgrow: a hundredfold in a quarter of the steps, or
+    /// what 8000 steps allow, which is less only where all other roots are forgotten long before. Below the limit a
+    /// quarter is no larger than the one before, but for the beat of roots that stay on the circle together; the
+    /// geometric mean of growing and not growing parts the two.
+    fn of(w: f64, history: bool) -> Self {
+        let needed = 4.0 * 100f64.ln() / w.ln();
+        let steps = if history { needed.clamp(400.0, 8000.0) as usize } else { 40 };
+        Self { steps, factor: w.powf(0.5 * (steps / 4) as f64) }
+    }
+
+    /// Where nothing may grow, but for rounding.
+    fn of_none(history: bool, h: f64) -> Self {
+        Self { steps: if history { 400 } else { 40 }, factor: 1.0 + 1e-9 + 4e-15 * h }
+    }
 }
 
-/// The limit that bisection finds, from a step far below the predicted one to one far above.
-fn observed(predicted: f64, unstable: impl Fn(f64) -> bool) -> f64 {
-    let (mut good, mut bad) = (0.05 * predicted, 1.9 * predicted);
+/// Bisects on h until the last step that does not grow and the first that does are half a percent apart.
+fn bisect(mut good: f64, mut bad: f64, unstable: impl Fn(f64) -> bool) -> f64 {
     while bad > 1.005 * good {
         let middle = 0.5 * (good + bad);
         if unstable(middle) { bad = middle } else { good = middle }
     }
-    good
+    0.5 * (good + bad)
 }
 
-/// Steps begin to grow where it is predicted, to one and a half percent, and not before.
-fn begins(predicted: f64, unstable: impl Fn(f64) -> bool) -> bool {
-    [0.3, 0.985].iter().all(|part| !unstable(part * predicted)) && unstable(1.015 * predicted)
+/// The limit that bisection finds; none where steps far below the predicted one grow, or those above do not.
+fn observed(predicted: f64, unstable: impl Fn(f64) -> bool) -> Option<f64> {
+    let (far, good, bad) = (0.3 * predicted, 0.96 * predicted, 1.04 * predicted);
+    (!unstable(far) && !unstable(good) && unstable(bad)).then(|| bisect(good, bad, unstable))
+}
+
+/// Steps begin to grow where it is predicted, to one percent.
+fn assert_begins(what: &str, predicted: f64, unstable: impl Fn(f64) -> bool) {
+    let found = observed(predicted, unstable);
+    assert!(found.is_some_and(|h| (h / predicted - 1.0).abs() < 0.01), "{what}: {found:?}, not {predicted}");
 }
 
 #[test]
 fn steps_grow_from_the_predicted_limit_on() {
     let mut count = [0, 0, 0];
     for Known { method, stability, history } in first_order() {
-        let slack = slack(stability);
         for degrees in [0.0, 45.0, 90.0] {
             let (name, limit) = (method.name(), stability.limit(degrees));
-            let run = |h: f64| sizes(method, of_lambda(ray(degrees, 1.0)), h, steps(*history, limit));
-            let unstable = |h: f64| grows(&run(h), slack + 4e-15 * h);
+            let unstable = |h: f64, trial: Trial| {
+                grows(&sizes(method, of_lambda(ray(degrees, 1.0)), h, trial.steps), trial.factor)
+            };
+            let by = |h: f64| stability.amplification(ray(degrees, h));
             if limit == f64::INFINITY {
                 for h in [0.3, 30.0, 1e10] {
-                    assert!(!unstable(h), "{name} at {degrees} degrees grows with h |lambda| = {h}");
+                    let grows = unstable(h, Trial::of_none(*history, h));
+                    assert!(!grows, "{name} at {degrees} degrees grows with h |lambda| = {h}");
                 }
                 count[0] += 1;
             } else if limit == 0.0 {
-                // Near 0, |w| - 1 is a power of h that no arithmetic shows: a step where it is above the slack.
-                let sharp = |h: &f64| stability.amplification(ray(degrees, *h)) > 1.0 + slack;
-                let h = [1.0 / 32.0, 0.125, 0.25, 0.5, 1.0].into_iter().find(sharp);
-                let h = h.unwrap_or_else(|| panic!("{name} at {degrees} degrees has some limit"));
-                assert!(unstable(h), "{name} at {degrees} degrees does not grow with h |lambda| = {h}");
+                // Near 0, |w| - 1 is a power of h that no arithmetic shows: the step of these that shows most.
+                let h =
+                    [1.0 / 32.0, 0.125, 0.25, 0.5, 1.0].into_iter().max_by(|&a, &b| by(a).total_cmp(&by(b)));
+                let h = h.expect("there are some");
+                assert!(by(h) > 1.0 + 1e-9, "{name} at {degrees} degrees has some limit");
+                let grows = unstable(h, Trial::of(by(h), *history));
+                assert!(grows, "{name} at {degrees} degrees does not grow with h |lambda| = {h}");
                 count[1] += 1;
             } else {
-                let found = || observed(limit, unstable);
-                assert!(begins(limit, unstable), "{name} at {degrees} degrees: {}, not {limit}", found());
+                let trial = Trial::of(by(1.01 * limit), *history);
+                assert_begins(&format!("{name} at {degrees} degrees"), limit, |h| unstable(h, trial));
                 count[2] += 1;
             }
         }
@@ -168,26 +191,31 @@ fn a_step_multiplies_by_the_stability_function() {
 fn springs_start_to_swing_up_where_predicted() {
     // For 20 x and v, whose squares add up to the energy.
     let spring = |c: f64| [[0.0, 20.0], [-20.0, -c]];
-    let unstable = |method: &Loaded, c: f64, h: f64, steps: usize, slack: f64| {
-        grows(&sizes(method, spring(c), h, steps), slack)
+    let unstable = |method: &Loaded, c: f64, h: f64, trial: Trial| {
+        grows(&sizes(method, spring(c), h, trial.steps), trial.factor)
     };
-    let euler = &of("euler").method;
-    assert!([1e-3, 1e-2].iter().all(|&h| unstable(euler, 0.0, h, 40, 1e-9)));
-    assert!((observed(0.009, |h| unstable(euler, 4.0, h, 1000, 1e-9)) - 0.01).abs() < 1e-4);
+    let (euler, rounding) = (&of("euler").method, 1.0 + 1e-9);
+    let long = Trial { steps: 1000, factor: rounding };
+    assert!([1e-3, 1e-2].iter().all(|&h| unstable(euler, 0.0, h, Trial { steps: 40, factor: rounding })));
+    assert!((bisect(1e-3, 0.02, |h| unstable(euler, 4.0, h, long)) - 0.01).abs() < 1e-4);
     let mut count = 0;
     // Without drag they are the oscillation on the imaginary axis above.
     for Known { method, stability, history } in first_order() {
         let c = 4.0f64;
         // Both eigenvalues have the modulus 20, and c / 40 is the cosine of their angle.
-        let limit = stability.limit((c / 40.0).acos().to_degrees()) / 20.0;
+        let degrees = (c / 40.0).acos().to_degrees();
+        let limit = stability.limit(degrees) / 20.0;
         if limit == 0.0 || limit == f64::INFINITY {
             continue;
         }
+        let w = stability.amplification(ray(degrees, 1.01 * 20.0 * limit));
+        let mut trial = Trial::of(w, *history);
         // A quarter must hold some swings.
-        let steps = steps(*history, 20.0 * limit).max(1000 + 2000 * *history as usize);
-        let unstable = |h: f64| unstable(method, c, h, steps, slack(stability));
-        let found = || observed(limit, unstable);
-        assert!(begins(limit, unstable), "{}, drag {c}: {}, not {limit}", method.name(), found());
+        if trial.steps < 1000 {
+            trial = Trial { steps: 1000, factor: w.powf(125.0) };
+        }
+        let what = format!("{}, drag {c}", method.name());
+        assert_begins(&what, limit, |h| unstable(method, c, h, trial));
         count += 1;
     }
     assert!(count > 20, "{count}");

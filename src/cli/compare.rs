@@ -10,7 +10,7 @@ use contest::{Contest, Contestant};
 use files::Folder;
 use indicatif::{ProgressBar, ProgressStyle};
 use kutta::compare::{Outcome, Row};
-use kutta::problems;
+use kutta::{Auto, problems};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -40,7 +40,8 @@ pub struct Args {
     /// Problems of the catalogue; default: eight that are not stiff and five that are
     #[arg(long = "problem", value_name = "NAME", value_delimiter = ',')]
     problems: Vec<String>,
-    /// Methods by name, or paths of .toml files; default: about ten of all kinds, and seven for stiff problems
+    /// Methods by name, paths of .toml files, or `auto`, the choice of the library; default: about ten of all kinds,
+    /// and for stiff problems eight and `auto`
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     methods: Vec<String>,
     /// A method file that joins the others
@@ -169,27 +170,31 @@ fn chosen_problems(names: &[String]) -> Result<Vec<problems::Entry>, Failure> {
 fn contestants(args: &Args) -> Result<Vec<Contestant>, Failure> {
     let default = contest::default_methods();
     let names = if args.methods.is_empty() { &default } else { &args.methods };
-    let mut sources = vec![];
+    let load = |source: Source, named: bool| {
+        Contestant::new(&source, named).map_err(|error| Failure::Input(source.message(&error)))
+    };
+    let mut all = vec![];
     for name in names {
-        sources.push((Source::find(name)?, !args.methods.is_empty()));
+        let named = !args.methods.is_empty();
+        all.push(match name.as_str() {
+            Auto::NAME => Contestant::auto(named).expect("the compiler has proven it"),
+            name => load(Source::find(name)?, named)?,
+        });
     }
     for path in &args.tables {
-        sources.push((Source::file(&path.to_string_lossy())?, true));
+        all.push(load(Source::file(&path.to_string_lossy())?, true)?);
     }
     let mut chosen: Vec<Contestant> = vec![];
-    for (source, named) in sources {
-        match chosen.iter().find(|other| other.name == source.name) {
-            Some(other) if other.path == source.path => {}
+    for method in all {
+        match chosen.iter().find(|other| other.name == method.name) {
+            Some(other) if other.path == method.path => {}
             Some(other) => {
-                let (path, name) = (&source.path, &source.name);
+                let Contestant { path, name, .. } = &method;
                 let line =
                     format!("{path}: {name} is compared already, from {}: rename the file", other.path);
                 return Err(Failure::Input(line));
             }
-            None => {
-                let method = Contestant::new(&source, named);
-                chosen.push(method.map_err(|error| Failure::Input(source.message(&error)))?);
-            }
+            None => chosen.push(method),
         }
     }
     Ok(chosen)

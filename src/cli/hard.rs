@@ -2,13 +2,15 @@
 
 use super::{Failure, Source, print, print_json, unknown};
 use comfy_table::{CellAlignment, Table, TableComponent, presets};
-use kutta::compare::hard::{Case, PROMISED, TOLERANCES, cases};
-use kutta::{Loaded, Method, Why, methods};
+use kutta::compare::hard::{Case, PROMISED, Reached, TOLERANCES, cases};
+use kutta::compare::label;
+use kutta::{Auto, Loaded, Method, Why, methods};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
-/// Tried unless others are named: the best of each kind.
-const METHODS: [&str; 6] = ["kencarp4-esdirk", "kvaerno5", "rodas4", "rodas5p", "radau-iia3", "radau-iia5"];
+/// Tried unless others are named: the best of each kind, and what a run takes whose method is not named.
+const METHODS: [&str; 8] =
+    ["kencarp4-esdirk", "kvaerno5", "rodas4", "rodas5p", "radau-iia3", "radau-iia5", "bdf", Auto::NAME];
 /// A method that needs more steps to a tolerance is not the one for it.
 const STEPS: u64 = 10_000;
 /// A run that takes longer ends the tighter ones of its method on that problem.
@@ -21,13 +23,13 @@ const LONGEST: Duration = Duration::from_millis(600);
 /// no fault of the method, a letter gives the reason; `!` marks what has none.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Methods by name, or paths of .toml files; default: six of all kinds
+    /// Methods by name, paths of .toml files, or `auto`, the choice of the library; default: seven of all kinds and `auto`
     #[arg(long = "method", value_name = "NAME", value_delimiter = ',')]
     methods: Vec<String>,
     /// Hard problems by name; default: all
     #[arg(long = "problem", value_name = "NAME", value_delimiter = ',')]
     problems: Vec<String>,
-    /// Take every adaptive method with implicit stages
+    /// Take every adaptive method with implicit stages, and `auto`
     #[arg(long, conflicts_with = "methods")]
     all: bool,
     /// Print the rows as JSON in place of the tables
@@ -55,6 +57,35 @@ struct Line {
     mark: &'static str,
 }
 
+/// Who solves.
+enum Solver {
+    Named(Loaded),
+    Auto(Auto),
+}
+
+impl Solver {
+    fn name(&self) -> &str {
+        match self {
+            Self::Named(method) => label(method),
+            Self::Auto(auto) => label(auto),
+        }
+    }
+
+    fn attempt(&self, case: &Case, tolerance: f64) -> Result<Reached, Why> {
+        match self {
+            Self::Named(method) => case.attempt(method, tolerance, STEPS),
+            Self::Auto(auto) => case.attempt(auto, tolerance, STEPS),
+        }
+    }
+
+    fn allowed(&self, case: &Case, tolerance: f64) -> (f64, Option<&'static str>) {
+        match self {
+            Self::Named(method) => case.allowed(method, tolerance),
+            Self::Auto(auto) => case.allowed(auto, tolerance),
+        }
+    }
+}
+
 pub fn run(args: &Args) -> Result<(), Failure> {
     let cases = chosen(&args.problems)?;
     let mut lines = vec![];
@@ -80,24 +111,27 @@ fn chosen(names: &[String]) -> Result<Vec<Case>, Failure> {
     Ok(all.into_iter().filter(|case| names.is_empty() || names.contains(&case.name)).collect())
 }
 
-fn contestants(args: &Args) -> Result<Vec<Loaded>, Failure> {
+fn contestants(args: &Args) -> Result<Vec<Solver>, Failure> {
     let fits = |method: &Loaded| {
         let form = method.form();
         form.d == 1 && form.adaptive() && !form.explicit()
     };
     if args.all {
         let all = methods::all().iter().filter_map(|m| Loaded::parse(m.name, m.text).ok());
-        return Ok(all.filter(fits).collect());
+        return Ok(all.filter(fits).map(Solver::Named).chain([Solver::Auto(Auto::new())]).collect());
     }
     let default = METHODS.map(String::from);
     let names = if args.methods.is_empty() { &default[..] } else { &args.methods };
     let load = |name: &String| {
+        if name == Auto::NAME {
+            return Ok(Solver::Auto(Auto::new()));
+        }
         let source = Source::find(name)?;
         source.tableau().map_err(|error| Failure::Input(source.message(&error)))?;
         let loaded = Loaded::parse(&source.name, &source.text);
         let method = loaded.map_err(|error| Failure::Input(source.message(&error)))?;
         match fits(&method) {
-            true => Ok(method),
+            true => Ok(Solver::Named(method)),
             false => Err(Failure::Input(format!(
                 "{name} is not for stiff problems with adaptive steps: its stages are explicit or it has no error estimate"
             ))),
@@ -107,10 +141,10 @@ fn contestants(args: &Args) -> Result<Vec<Loaded>, Failure> {
 }
 
 /// A problem at every tolerance; after a run that is too long the tighter ones are left out.
-fn ladder(case: &Case, method: &Loaded) -> Vec<Line> {
+fn ladder(case: &Case, method: &Solver) -> Vec<Line> {
     let (mut lines, mut ended): (_, Option<&'static str>) = (vec![], None);
     for tolerance in TOLERANCES {
-        let (allowed, reason) = case.allowed(method, tolerance);
+        let (allowed, reason) = method.allowed(case, tolerance);
         let mut line = Line {
             method: method.name().to_string(),
             problem: case.name.clone(),
@@ -127,7 +161,7 @@ fn ladder(case: &Case, method: &Loaded) -> Vec<Line> {
         };
         if ended.is_none() {
             let start = Instant::now();
-            match case.attempt(method, tolerance, STEPS) {
+            match method.attempt(case, tolerance) {
                 Ok(reached) => {
                     line.error = Some(reached.error);
                     line.reason = reason.filter(|_| !(reached.error <= PROMISED * tolerance));

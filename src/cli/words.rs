@@ -1,6 +1,6 @@
 //! A method's derived properties in plain words, and as JSON.
 
-use kutta::tableau::{Member, Properties, Stages};
+use kutta::tableau::{Evidence, Member, Properties, Stages, StiffOrder};
 use serde_json::{Map, Value, json};
 
 /// A line for each property that applies.
@@ -20,12 +20,8 @@ pub fn words(p: &Properties) -> String {
         line("stage order", q.to_string());
     }
     if let Some(stiff) = p.stiff_order {
-        let over = match stiff.damping {
-            0 => String::new(),
-            1 => " / |lambda|".to_string(),
-            m => format!(" / |lambda|^{m}"),
-        };
-        line("stiff problems", format!("the error goes like h^{}{over} (Prothero, Robinson)", stiff.order));
+        let of = if p.family == "IMEX pair" { "implicit table: " } else { "" };
+        line("stiff problems", format!("{of}the error goes like {} (Prothero, Robinson)", left(stiff)));
     }
     line("local error", local_error(p));
     for m in &p.members {
@@ -41,9 +37,9 @@ pub fn words(p: &Properties) -> String {
     if let Some(limit) = p.oscillation_limit {
         line("stable for", format!("h omega {}, where y'' = -omega^2 y", upto(limit)));
     }
-    if let (Some(alpha), Some(at_infinity)) = (p.alpha, p.at_infinity) {
+    if let (Some(alpha), Some(at_infinity), Some(evidence)) = (p.alpha, p.at_infinity, p.evidence) {
         let of = if p.family == "IMEX pair" { "implicit table: " } else { "" };
-        line("stability", format!("{of}{}", sector(alpha, at_infinity, p.l_stable == Some(true))));
+        line("stability", format!("{of}{}", sector(alpha, at_infinity, evidence)));
     }
     if let Some(stiffly_accurate) = p.stiffly_accurate {
         line("last stage", format!("{}y' (stiffly accurate)", if stiffly_accurate { "" } else { "not " }));
@@ -155,14 +151,29 @@ fn local_error(p: &Properties) -> String {
 /// l, the error and the sector of a member of a family.
 fn member(m: &Member) -> String {
     let l: Vec<_> = m.l.iter().map(|l| short(l.hi())).collect();
-    let sector = sector(m.alpha, m.at_infinity, m.alpha == 90.0 && m.at_infinity < 1e-9);
+    let sector = sector(m.alpha, m.at_infinity, m.evidence);
+    let stiff = m.stiff_order.map_or(String::new(), |stiff| format!("; {} on stiff problems", left(stiff)));
     format!(
-        "l = {}; {} h^{} y^({3}); {sector}",
+        "l = {}; {} h^{} y^({3}); {sector}{stiff}",
         l.join(" "),
         short(m.error_constant),
         m.order + 1,
         m.order + 1
     )
+}
+
+/// `h^3 / |lambda|`
+fn left(stiff: StiffOrder) -> String {
+    let over = match stiff.damping {
+        0 => String::new(),
+        1 => " / |lambda|".to_string(),
+        m => format!(" / |lambda|^{m}"),
+    };
+    format!("h^{}{over}", stiff.order)
+}
+
+fn stiff_json(stiff: StiffOrder) -> Value {
+    json!({ "order": stiff.order, "damping": stiff.damping })
 }
 
 fn from(x: f64) -> String {
@@ -181,13 +192,29 @@ fn upto(y: f64) -> String {
     }
 }
 
-fn sector(alpha: f64, at_infinity: f64, l_stable: bool) -> String {
+fn sector(alpha: f64, at_infinity: f64, evidence: Evidence) -> String {
     let r = if at_infinity < 1e-9 { "0".to_string() } else { short(at_infinity) };
-    match alpha {
-        90.0 if l_stable => "A-stable and L-stable".to_string(),
-        90.0 => format!("A-stable; |R| = {r} at infinity"),
-        0.0 => "in no sector about the negative real axis".to_string(),
-        alpha => format!("A(alpha)-stable for alpha up to {alpha:.2} degrees; |R| = {r} at infinity"),
+    let (is, at_infinity) = match alpha {
+        90.0 if r == "0" => ("A-stable and L-stable".to_string(), String::new()),
+        90.0 => ("A-stable".to_string(), format!("; |R| = {r} at infinity")),
+        0.0 => ("in no sector about the negative real axis".to_string(), String::new()),
+        alpha => (
+            format!("A(alpha)-stable for alpha up to {alpha:.2} degrees"),
+            format!("; |R| = {r} at infinity"),
+        ),
+    };
+    let how = match evidence {
+        Evidence::Proven => "proven".to_string(),
+        Evidence::Found { degrees } => format!("found to {degrees:.0e} degrees"),
+    };
+    format!("{is} ({how}){at_infinity}")
+}
+
+/// `proven` or `found`, and the accuracy of an alpha that is found.
+fn evidence_json(evidence: Evidence) -> (&'static str, Option<f64>) {
+    match evidence {
+        Evidence::Proven => ("proven", None),
+        Evidence::Found { degrees } => ("found", Some(degrees)),
     }
 }
 
@@ -196,12 +223,16 @@ fn miss(x: f64) -> String {
 }
 
 fn member_json(m: &Member) -> Value {
+    let (evidence, within) = evidence_json(m.evidence);
     json!({
         "order": m.order,
         "l": m.l.iter().map(|l| l.hi()).collect::<Vec<_>>(),
         "error_constant": m.error_constant,
         "alpha": m.alpha,
+        "evidence": evidence,
+        "alpha_within": within,
         "at_infinity": m.at_infinity,
+        "stiff_order": m.stiff_order.map(stiff_json),
     })
 }
 
@@ -215,6 +246,7 @@ pub fn json(p: &Properties) -> Map<String, Value> {
         Stages::Full => "full",
         Stages::Linear => "linear",
     };
+    let (evidence, within) = p.evidence.map(evidence_json).unzip();
     let all = json!({
         "kind": kind,
         "second_order": p.second_order,
@@ -222,7 +254,7 @@ pub fn json(p: &Properties) -> Map<String, Value> {
         "fsal": p.fsal,
         "stiffly_accurate": p.stiffly_accurate,
         "stage_order": p.stage_order,
-        "stiff_order": p.stiff_order.map(|stiff| json!({ "order": stiff.order, "damping": stiff.damping })),
+        "stiff_order": p.stiff_order.map(stiff_json),
         "principal_error": p.principal_error,
         "embedded_errors": p.embedded_errors,
         "error_constant": p.error_constant,
@@ -232,6 +264,8 @@ pub fn json(p: &Properties) -> Map<String, Value> {
         "a_stable": p.a_stable,
         "l_stable": p.l_stable,
         "alpha": p.alpha,
+        "evidence": evidence,
+        "alpha_within": within.flatten(),
         "at_infinity": p.at_infinity,
         "zero_stable": p.zero_stable,
         "residual_f64": p.residual_f64,

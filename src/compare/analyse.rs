@@ -8,7 +8,8 @@ pub struct Cost<'r> {
     pub method: &'r str,
     pub seconds: f64,
     pub evaluations: f64,
-    /// Matrices factored.
+    /// Jacobians taken, and matrices factored.
+    pub jacobians: f64,
     pub factorizations: f64,
 }
 
@@ -30,21 +31,23 @@ pub fn cost_at<'r>(rows: &'r [Row], problem: &str, method: &str, error: f64) -> 
         if before.is_some_and(|(least, ..)| e >= least) {
             continue;
         }
-        let (method, evaluations) = (row.method.as_str(), row.evaluations as f64);
-        let factorizations = row.factorizations as f64;
         if e <= error {
-            let Some((e0, seconds0, row0)) = before else {
-                return Some(Cost { method, seconds, evaluations, factorizations });
-            };
-            let part = (e0 / error).ln() / (e0 / e).ln();
+            // Of a run, and of the one before, which is it itself where there is none.
+            let (e0, seconds0, row0) = before.unwrap_or((e, seconds, row));
+            let part = if before.is_some() { (e0 / error).ln() / (e0 / e).ln() } else { 1.0 };
             let between = |a: f64, b: f64| a * (b / a).powf(part);
-            let evaluations = between(row0.evaluations as f64, evaluations);
-            // An explicit method factors nothing.
-            let factorizations = match row0.factorizations {
-                0 => factorizations,
-                before => between(before as f64, factorizations),
+            let count = |of: fn(&Row) -> u64| match of(row0) {
+                // An explicit method factors nothing, and one that is chosen may begin to.
+                0 => of(row) as f64,
+                before => between(before as f64, of(row) as f64),
             };
-            return Some(Cost { method, seconds: between(seconds0, seconds), evaluations, factorizations });
+            return Some(Cost {
+                method: row.method.as_str(),
+                seconds: between(seconds0, seconds),
+                evaluations: count(|row| row.evaluations),
+                jacobians: count(|row| row.jacobians),
+                factorizations: count(|row| row.factorizations),
+            });
         }
         before = Some((e, seconds, row));
     }

@@ -1,5 +1,6 @@
 //! A method entered for a problem, with its types forgotten: what is timed inside is compiled for both.
 
+use super::label;
 use crate::solve::ivp::Ivp;
 use crate::solve::leg::{Adaptive, Fixed, Pace};
 use crate::solve::outcome::{Solution, Stats, Stopped, Why};
@@ -118,7 +119,7 @@ const WATCHED: u32 = 4;
 
 impl<Y: State<Scalar = f64>, S: System<Y> + Clone, M: Method, P: Paced> Entrant for Typed<Y, S, M, P> {
     fn name(&self) -> &str {
-        self.method.name()
+        label(&self.method)
     }
 
     fn adaptive(&self) -> bool {

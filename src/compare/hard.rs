@@ -11,11 +11,13 @@
 //! # Ok::<(), kutta::Why>(())
 //! ```
 
-use crate::linear::{Jacobian, Mass};
-use crate::problems::{Problem, RobertsonUntil40, Visit, visit_all};
+mod algebraic;
+
+use crate::linear::{Jacobian, Mass, Pattern};
+use crate::problems::{Heat2d, Problem, Visit, visit_all};
 use crate::solve::ivp::Ivp;
 use crate::solve::outcome::{Stats, Why};
-use crate::step::method::{Loaded, Method};
+use crate::step::method::Method;
 use crate::step::system::{OutOfDomain, System};
 use crate::tableau::criteria::estimate_misses;
 use std::rc::Rc;
@@ -27,13 +29,15 @@ pub const TOLERANCES: [f64; 5] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11];
 /// does not magnify errors.
 pub const PROMISED: f64 = 10.0;
 
-/// Largest problem that is solved with full matrices in a moment.
+/// Largest problem that every method solves in a moment, with a band where it has one.
 const LARGEST: usize = 200;
+/// Points in a row of the plane that heats up: a sparse matrix of 36 rows.
+const ROW: usize = 6;
 
 type Rhs = Rc<dyn Fn(f64, &Vec<f64>, &mut Vec<f64>)>;
 type Derivatives = Rc<dyn Fn(f64, &Vec<f64>, &mut Jacobian<f64>)>;
 
-/// A stiff problem of the catalogue, its types forgotten, so that the solver is compiled once for all.
+/// A hard problem, its types forgotten, so that the solver is compiled once for all.
 #[derive(Clone)]
 pub struct Case {
     /// The problem's; with its jumps told to the solver, `jump-declared`; with an equation of it replaced by a
@@ -62,11 +66,11 @@ pub struct Reached {
 }
 
 impl Case {
-    /// Runs an adaptive method with atol = rtol scale/100.
+    /// Runs an adaptive method, or [`Auto`](crate::Auto), with atol = rtol scale/100.
     ///
     /// # Errors
     /// Why it did not reach the end.
-    pub fn attempt(&self, method: &Loaded, rtol: f64, max_steps: u64) -> Result<Reached, Why> {
+    pub fn attempt<M: Method>(&self, method: &M, rtol: f64, max_steps: u64) -> Result<Reached, Why> {
         let small = 0.01 * self.scale;
         let run =
             Ivp::new(self.system.clone(), self.y0.clone(), self.span.0..self.span.1).with(method.clone());
@@ -81,7 +85,7 @@ impl Case {
     }
 
     /// The largest error, over the tolerance, that is no fault; above [`PROMISED`] with the reason why.
-    pub fn allowed(&self, method: &Loaded, rtol: f64) -> (f64, Option<&'static str>) {
+    pub fn allowed(&self, method: &impl Method, rtol: f64) -> (f64, Option<&'static str>) {
         let form = method.form();
         let named = |names: &[&str]| names.iter().any(|name| self.name.starts_with(name));
         // Of the size of the error, and not of the tolerance.
@@ -132,8 +136,8 @@ impl Case {
     }
 }
 
-/// The stiff problems whose solution is known, of moderate size; those with jumps come a second time with the
-/// jumps declared, and Robertson's with an algebraic equation.
+/// The stiff problems of the catalogue whose solution is known, of moderate size; those with jumps come a second time
+/// with the jumps declared, and Robertson's with an algebraic equation. The last is the transistor amplifier.
 pub fn cases() -> Vec<Case> {
     struct Collect(Vec<Case>);
     impl Visit for Collect {
@@ -161,43 +165,17 @@ pub fn cases() -> Vec<Case> {
     }
     let mut all = Collect(vec![]);
     visit_all(&mut all);
-    let algebraic = all.0.iter().find(|case| case.name == RobertsonUntil40::NAME).map(with_the_sum);
+    all.visit(Heat2d::new(ROW));
+    let algebraic = algebraic::cases(&all.0);
     all.0.extend(algebraic);
     all.0
-}
-
-/// Robertson's problem with y1 + y2 + y3 = 1 in place of its third equation: M = diag(1, 1, 0).
-fn with_the_sum(case: &Case) -> Case {
-    let p = RobertsonUntil40;
-    let state = |y: &[f64]| [y[0], y[1], y[2]];
-    let rhs = move |t: f64, y: &Vec<f64>, dy: &mut Vec<f64>| {
-        let mut slope = [0.0; 3];
-        p.rhs(t, &state(y), &mut slope);
-        slope[2] = y[0] + y[1] + y[2] - 1.0;
-        dy.copy_from_slice(&slope);
-    };
-    let jacobian = move |t: f64, y: &Vec<f64>, j: &mut Jacobian<f64>| {
-        p.jacobian(t, &state(y), |row, column, value| {
-            if row < 2 {
-                j[(row, column)] += value;
-            }
-        });
-        (0..3).for_each(|column| j[(2, column)] = 1.0);
-    };
-    Case {
-        name: format!("{}-algebraic", RobertsonUntil40::NAME),
-        mass: Some(|m| (m[(0, 0)], m[(1, 1)]) = (1.0, 1.0)),
-        // The sum is 1 to rounding, and knows nothing of amounts below that.
-        scale: 1e-3,
-        system: Erased { rhs: Rc::new(rhs), jacobian: Rc::new(jacobian) },
-        ..case.clone()
-    }
 }
 
 #[derive(Clone)]
 struct Erased {
     rhs: Rhs,
     jacobian: Derivatives,
+    pattern: Option<Pattern>,
 }
 
 impl Erased {
@@ -217,8 +195,16 @@ impl Erased {
             jacobian: Rc::new(move |t, y, j| {
                 q.jacobian(t, &state(y, &q), |row, column, value| j[(row, column)] += value);
             }),
+            pattern: pattern(problem),
         }
     }
+}
+
+/// Where the Jacobian of a problem can be other than zero.
+fn pattern<P: Problem>(problem: &P) -> Option<Pattern> {
+    let mut places = vec![];
+    problem.jacobian(problem.span().0, &problem.y0(), |row, column, _| places.push((row, column)));
+    Pattern::of(problem.n(), places).ok()
 }
 
 impl System<Vec<f64>> for Erased {
@@ -229,5 +215,8 @@ impl System<Vec<f64>> for Erased {
     fn jacobian(&mut self, t: f64, y: &Vec<f64>, j: &mut Jacobian<f64>) -> bool {
         (self.jacobian)(t, y, j);
         true
+    }
+    fn pattern(&self) -> Option<Pattern> {
+        self.pattern.clone()
     }
 }

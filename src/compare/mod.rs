@@ -28,6 +28,7 @@ mod truth;
 pub use analyse::{Cost, cost_at, fastest_at, ranking_at};
 pub use truth::Reference;
 
+use crate::solve::auto::Auto;
 use crate::solve::leg::{Adaptive, Fixed};
 use crate::step::method::Method;
 use crate::step::state::State;
@@ -101,6 +102,11 @@ impl fmt::Display for Unfit {
 }
 
 impl std::error::Error for Unfit {}
+
+/// The name of a method in [`Row`]s: [`Auto::NAME`] where it is chosen in the course of the run.
+pub fn label<M: Method>(method: &M) -> &str {
+    if M::AUTO { Auto::NAME } else { method.name() }
+}
 
 /// A problem and the methods that are to solve it.
 pub struct Comparison<'w, Y, S> {

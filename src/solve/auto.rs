@@ -29,6 +29,9 @@ use std::fmt;
 pub struct Auto<E = Tsit54>(E);
 
 impl Auto {
+    /// What tables and plots call it; [`name`](Method::name) is that of the explicit method.
+    pub const NAME: &'static str = "auto";
+
     /// With `Tsit54`, as where no method is named.
     pub const fn new() -> Self {
         Self(Tsit54)

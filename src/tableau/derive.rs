@@ -3,6 +3,7 @@
 use super::criteria::*;
 use super::double_double::DoubleDouble as D;
 use super::error::TableauError;
+use super::evidence::Evidence;
 use super::form::Meaning;
 use super::inexact::inexact;
 use super::lower::{first_is_last, runge_kutta};
@@ -11,7 +12,7 @@ use super::roots::zero_stable;
 use super::series::{Forms, Solution, defects};
 use super::sizes::*;
 use super::stability::{Characteristic, Locus};
-use super::stiff::{StiffOrder, stiff_order};
+use super::stiff::{StiffOrder, of_formula, stiff_order};
 use super::{Members, Scheme, Tableau};
 
 /// How the stages of a method are found.
@@ -52,7 +53,8 @@ pub struct Properties {
     pub stiffly_accurate: Option<bool>,
     /// Largest q with B(q) and C(q).
     pub stage_order: Option<usize>,
-    /// What is left of the order on a stiff problem, of one-step methods with implicit stages.
+    /// What is left of the order on a stiff problem, of methods with implicit stages; of a pair for f + g where f is
+    /// zero. `None` where errors grow.
     pub stiff_order: Option<StiffOrder>,
     /// Norm of the leading coefficients of the local error: the root of the sum, over the trees of the first
     /// order that fails, of (weight less 1/gamma)^2 / sigma^2. With y' carried, of y and y' together.
@@ -74,6 +76,8 @@ pub struct Properties {
     pub l_stable: Option<bool>,
     /// A(alpha)-stability: alpha in degrees.
     pub alpha: Option<f64>,
+    /// Whether alpha, and with it A- and L-stability, is proven or found.
+    pub evidence: Option<Evidence>,
     /// |R| at infinity.
     pub at_infinity: Option<f64>,
     /// The history is not amplified as h goes to 0. Of methods that carry one.
@@ -114,10 +118,13 @@ pub struct Member {
     pub l: Vec<D>,
     /// C_(order+1) / sigma(1).
     pub error_constant: f64,
-    /// A(alpha)-stability: alpha in degrees.
+    /// A(alpha)-stability: alpha in degrees, and how it is known.
     pub alpha: f64,
+    pub evidence: Evidence,
     /// The largest root of sigma: the amplification at infinity.
     pub at_infinity: f64,
+    /// What is left of its order on a stiff problem; `None` where errors grow.
+    pub stiff_order: Option<StiffOrder>,
 }
 
 impl Tableau<'_> {
@@ -258,6 +265,7 @@ impl Tableau<'_> {
             a_stable: None,
             l_stable: None,
             alpha: None,
+            evidence: None,
             at_infinity: None,
             zero_stable: None,
             residual_f64: residual(|x| D::of(x.hi())),
@@ -282,7 +290,7 @@ impl Tableau<'_> {
                 all.limits(&limits, tolerance);
                 if all.kind != Stages::Explicit {
                     all.implicit(&limits, tolerance);
-                    all.stiff_order = stiff_order(array, None, self.order, limits.far(), loose);
+                    all.stiff_order = stiff_order(array, None, self.order, limits.at_infinity(loose), loose);
                     all.stiffly_accurate = Some(last_row_is(&array.a, &array.b, array.stages, loose));
                 }
                 all.stage_order = Some(stage_order(array, loose));
@@ -291,7 +299,9 @@ impl Tableau<'_> {
             }
             Scheme::Imex { explicit, implicit } => {
                 all.limits(&Characteristic::of(first), tolerance);
-                all.implicit(&Characteristic::of(&forms.form[1]), tolerance);
+                let limits = Characteristic::of(&forms.form[1]);
+                all.implicit(&limits, tolerance);
+                all.stiff_order = stiff_order(implicit, None, self.order, limits.at_infinity(loose), loose);
                 all.stiffly_accurate = Some(last_row_is(&implicit.a, &implicit.b, implicit.stages, loose));
                 all.blind = blind(explicit, None, loose);
             }
@@ -303,7 +313,8 @@ impl Tableau<'_> {
             Scheme::Rosenbrock { alpha, gamma } => {
                 let limits = Characteristic::of(&forms.form[1]);
                 all.implicit(&limits, tolerance);
-                all.stiff_order = stiff_order(alpha, Some(gamma), self.order, limits.far(), loose);
+                all.stiff_order =
+                    stiff_order(alpha, Some(gamma), self.order, limits.at_infinity(loose), loose);
                 let (mut beta, n) = (alpha.a, alpha.stages);
                 (0..n).for_each(|i| (0..n).for_each(|j| beta[i][j] += gamma.a[i][j]));
                 let at_end = (sum(&alpha.a[n - 1][..n]) - D::ONE).abs().hi() <= loose;
@@ -319,8 +330,9 @@ impl Tableau<'_> {
                 all.limits(&limits, tolerance);
                 all.error_constant = Some(error_constant(steps, 1, self.order));
                 if all.kind != Stages::Explicit {
-                    let (alpha, at_infinity) = sector(&limits, &locus, tolerance);
-                    all.sector(alpha, at_infinity);
+                    let (alpha, at_infinity, evidence) = sector(&limits, &locus, tolerance);
+                    all.sector(alpha, at_infinity, evidence);
+                    all.stiff_order = of_formula(self.order, alpha);
                 }
             }
             Scheme::Nordsieck(members) => {
@@ -328,8 +340,11 @@ impl Tableau<'_> {
                 all.limits(&limits, tolerance);
                 all.error_constant = Some(error_constant(last, 1, self.order));
                 all.members = self.members(members, tolerance);
-                let least = all.members.iter().map(|m| m.alpha).fold(90.0, f64::min);
-                all.sector(least, all.members.iter().map(|m| m.at_infinity).fold(0.0, f64::max));
+                all.stiff_order = all.members.last().and_then(|m| m.stiff_order);
+                let least = all.members.iter().min_by(|a, b| a.alpha.total_cmp(&b.alpha));
+                let (alpha, evidence) = least.map_or((0.0, Evidence::Proven), |m| (m.alpha, m.evidence));
+                let at_infinity = all.members.iter().map(|m| m.at_infinity).fold(0.0, f64::max);
+                all.sector(alpha, at_infinity, evidence);
             }
             Scheme::Stormer(steps) => {
                 all.error_constant = Some(error_constant(steps, 2, self.order));
@@ -351,11 +366,14 @@ impl Tableau<'_> {
     }
 }
 
-/// Alpha of A(alpha)-stability in degrees, and the amplification at infinity, of a multistep formula.
-fn sector(limits: &Characteristic, locus: &Locus, near: f64) -> (f64, f64) {
+/// Alpha of A(alpha)-stability in degrees, the amplification at infinity, and how they are known, of a multistep
+/// formula.
+fn sector(limits: &Characteristic, locus: &Locus, near: f64) -> (f64, f64, Evidence) {
     let at_infinity = locus.at_infinity();
     let half_line = limits.real(near) == f64::INFINITY && at_infinity < 1.0 + 1e-9;
-    (if half_line { locus.angle() } else { 0.0 }, at_infinity)
+    // A point of the axis that is not stable proves that.
+    let (alpha, evidence) = if half_line { locus.angle(near) } else { (0.0, Evidence::Proven) };
+    (alpha, at_infinity, evidence)
 }
 
 impl Tableau<'_> {
@@ -363,9 +381,11 @@ impl Tableau<'_> {
         let form = self.form();
         let member = |q: usize| {
             let (steps, limits) = (&members.steps[q - 1], Forms::of(&members.of(self, q)));
-            let (alpha, at_infinity) = sector(&Characteristic::of(&limits.form[0]), &Locus::of(steps), near);
+            let limits = Characteristic::of(&limits.form[0]);
+            let (alpha, at_infinity, evidence) = sector(&limits, &Locus::of(steps), near);
             let l = form.iter().flat_map(|form| form.correctors[q - 1].l[..=q].to_vec()).collect();
-            Member { order: q, l, error_constant: error_constant(steps, 1, q), alpha, at_infinity }
+            let (error_constant, stiff_order) = (error_constant(steps, 1, q), of_formula(q, alpha));
+            Member { order: q, l, error_constant, alpha, evidence, at_infinity, stiff_order }
         };
         (1..=members.count).map(member).collect()
     }
@@ -378,11 +398,13 @@ impl Properties {
     }
 
     fn implicit(&mut self, characteristic: &Characteristic, near: f64) {
-        self.sector(characteristic.angle(near), characteristic.at_infinity());
+        let (alpha, evidence) = characteristic.angle(self.order, near);
+        self.sector(alpha, characteristic.at_infinity(near).abs(), evidence);
     }
 
-    fn sector(&mut self, alpha: f64, at_infinity: f64) {
+    fn sector(&mut self, alpha: f64, at_infinity: f64, evidence: Evidence) {
         self.alpha = Some(alpha);
+        self.evidence = Some(evidence);
         self.at_infinity = Some(at_infinity);
         self.a_stable = Some(alpha == 90.0);
         self.l_stable = Some(alpha == 90.0 && at_infinity < 1e-9);

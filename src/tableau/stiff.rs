@@ -1,8 +1,12 @@
-//! The order that a one-step method keeps on stiff problems, by the equation of Prothero and Robinson (1974).
+//! The order that a method keeps on stiff problems, by the equation of Prothero and Robinson (1974).
 //!
 //! For y' = lambda (y - phi) + phi' a step from phi(t) misses phi(t + h) by sum_k E_k(z) h^k phi^(k) / k!, with
 //! z = h lambda. As z goes to infinity E_k goes like z^-m; the smallest m wins, and with it the smallest k
 //! (Hairer, Wanner II, IV.15).
+//!
+//! The errors e_n of a linear multistep formula follow sum_j (alpha_j - z beta_j) e_(n+j) = -d with the miss
+//! d = C h^(p+1) phi^(p+1) of its order conditions. Where the start is forgotten e settles at d / (z sigma(1)): the
+//! whole order is kept (Hairer, Wanner II, V.7).
 
 use super::Array;
 use super::double_double::DoubleDouble as D;
@@ -44,6 +48,11 @@ pub(super) fn stiff_order(
     // Misses of steps that R neither damps nor turns about add up.
     let sums = (at_infinity - 1.0).abs() < 1e-9;
     best.map(|(m, k)| StiffOrder { order: (k - sums as usize).saturating_sub(m), damping: m })
+}
+
+/// Of a linear multistep formula of some order, A(alpha)-stable for some `alpha`: else errors grow where z is large.
+pub(super) fn of_formula(order: usize, alpha: f64) -> Option<StiffOrder> {
+    (alpha > 0.0).then_some(StiffOrder { order, damping: 1 })
 }
 
 /// E_k(z): a step of 1 from 0 on y' = z (y - t^k) + k t^(k-1), less 1.

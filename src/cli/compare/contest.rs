@@ -1,11 +1,11 @@
 //! A problem of the catalogue and the methods that meet on it: all compiled, or all interpreted.
 
 use crate::cli::Source;
-use kutta::compare::{Comparison, Outcome, Unfit};
+use kutta::compare::{Comparison, Outcome, Unfit, label};
 use kutta::methods::*;
 use kutta::problems::{self, *};
 use kutta::tableau::TableauError;
-use kutta::{Loaded, Method, State, System};
+use kutta::{Auto, Loaded, Method, State, System};
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
@@ -24,6 +24,8 @@ pub struct Contestant {
     implicit: bool,
     /// It was asked for, not taken by default.
     named: bool,
+    /// A run leaves it for another where it does not fit.
+    auto: bool,
     loaded: Loaded,
 }
 
@@ -39,7 +41,24 @@ impl Contestant {
             second_order: tableau.second_order(),
             implicit: !loaded.form().explicit(),
             named,
+            auto: false,
             loaded,
+        })
+    }
+
+    /// What a run takes whose method is not named: it begins with an explicit one, and is for stiff problems too.
+    pub fn auto(named: bool) -> Result<Self, TableauError> {
+        let start = kutta::methods::find(Tsit54.name()).expect("it is in the library");
+        Ok(Self {
+            name: Auto::NAME.to_string(),
+            path: "the library".to_string(),
+            shipped: true,
+            adaptive: true,
+            second_order: false,
+            implicit: true,
+            named,
+            auto: true,
+            loaded: Loaded::parse(start.name, start.text)?,
         })
     }
 }
@@ -57,9 +76,9 @@ pub struct Contest {
 
 /// Methods compiled with every problem in [`meet`], and entered as adaptive or with fixed steps.
 macro_rules! compiled {
-    ($names:ident, $enter:ident: $($how:ident $method:ident,)*) => {
+    ($names:ident, $enter:ident: $($how:ident $method:expr,)*) => {
         fn $names() -> Vec<String> {
-            vec![$($method.name().to_string()),*]
+            vec![$(label(&$method).to_string()),*]
         }
 
         fn $enter<'w, Y: State<Scalar = f64> + 'w, S: System<Y> + Clone + 'w>(
@@ -67,7 +86,7 @@ macro_rules! compiled {
             chosen: &[Contestant],
         ) -> Comparison<'w, Y, S> {
             for Contestant { name, .. } in chosen {
-                $(if name == $method.name() {
+                $(if name == label(&$method) {
                     comparison = comparison.$how($method);
                 })*
             }
@@ -104,6 +123,8 @@ compiled! {
     method Rodas5p,
     method RadauIia3,
     method RadauIia5,
+    method Bdf,
+    method Auto::new(),
 }
 
 /// The methods compared unless others are named, each where it belongs: implicit ones on stiff problems.
@@ -291,7 +312,11 @@ fn interpreted(
     };
     for method in contest.methods.iter().filter(|method| method.second_order == v0.is_some()) {
         let loaded = method.loaded.clone();
-        comparison = if method.adaptive { comparison.method(loaded) } else { comparison.fixed(loaded) };
+        comparison = match (method.auto, method.adaptive) {
+            (true, _) => comparison.method(Auto::from(loaded)),
+            (false, true) => comparison.method(loaded),
+            (false, false) => comparison.fixed(loaded),
+        };
     }
     comparison
 }

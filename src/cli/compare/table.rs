@@ -29,7 +29,7 @@ pub fn of(contest: &Contest, rows: &[Row], reference: &Reference) -> String {
     for between_rows in [TableComponent::HorizontalLines, TableComponent::MiddleIntersections] {
         table.remove_style(between_rows);
     }
-    table.set_header(["error", "fastest", "time", "evaluations", "factored", "then"]);
+    table.set_header(["error", "fastest", "time", "evaluations", "Jacobians", "factored", "then"]);
     for error in ERRORS {
         let ranking = ranking_at(rows, problem.name, error);
         let error = format!("{error:e}");
@@ -40,12 +40,13 @@ pub fn of(contest: &Contest, rows: &[Row], reference: &Reference) -> String {
                 best.method.to_string(),
                 time(best.seconds),
                 format!("{:.0}", best.evaluations),
+                format!("{:.0}", best.jacobians),
                 format!("{:.0}", best.factorizations),
                 runners_up(best, rest),
             ]),
         };
     }
-    for column in [2, 3, 4] {
+    for column in [2, 3, 4, 5] {
         if let Some(column) = table.column_mut(column) {
             column.set_cell_alignment(CellAlignment::Right);
         }
