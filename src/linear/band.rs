@@ -81,66 +81,51 @@ fn factor_width<T: Scalar>(
 /// Solves with the factors.
 pub fn solve<T: Scalar>(n: usize, (lower, upper): (usize, usize), a: &[T], pivots: &[usize], x: &mut [T]) {
     match (lower, upper) {
-        (1, 1) => solve_narrow::<T, 1, 2>(n, a, pivots, x),
-        (2, 2) => solve_narrow::<T, 2, 4>(n, a, pivots, x),
-        (3, 3) => solve_narrow::<T, 3, 6>(n, a, pivots, x),
+        (1, 1) => solve_narrow::<T, 1, 2, 4>(n, a, pivots, x),
+        (2, 2) => solve_narrow::<T, 2, 4, 7>(n, a, pivots, x),
+        (3, 3) => solve_narrow::<T, 3, 6, 10>(n, a, pivots, x),
         _ => solve_wide(n, lower, lower + upper, a, pivots, x),
     }
 }
 
 /// The unknowns in reach of a column stay in registers.
 #[inline(always)]
-fn solve_narrow<T: Scalar, const LOWER: usize, const ABOVE: usize>(
+fn solve_narrow<T: Scalar, const LOWER: usize, const ABOVE: usize, const STRIDE: usize>(
     n: usize,
     a: &[T],
     pivots: &[usize],
     x: &mut [T],
 ) {
-    if n == 0 {
-        return;
-    }
-    let stride = LOWER + ABOVE + 1;
-    let mut below = [T::zero(); LOWER];
-    for (below, &x) in below.iter_mut().zip(&x[1..n]) {
-        *below = x;
-    }
-    let mut head = x[0];
-    for (k, (column, &p)) in a.chunks_exact(stride).zip(&pivots[..n]).enumerate() {
+    let (columns, x) = (&a.as_chunks::<STRIDE>().0[..n], &mut x[..n]);
+    let mut ahead: [T; LOWER] = std::array::from_fn(|i| x.get(i + 1).copied().unwrap_or(T::zero()));
+    let mut head = x.first().copied().unwrap_or(T::zero());
+    for (k, (column, &p)) in columns.iter().zip(pivots).enumerate() {
         if p != 0 {
-            for (i, below) in below.iter_mut().enumerate() {
+            for (i, ahead) in ahead.iter_mut().enumerate() {
                 if p == i + 1 {
-                    std::mem::swap(&mut head, below);
+                    std::mem::swap(&mut head, ahead);
                 }
             }
         }
         x[k] = head;
-        let next = if k + LOWER + 1 < n { x[k + LOWER + 1] } else { T::zero() };
+        let next = x.get(k + LOWER + 1).copied().unwrap_or(T::zero());
         let by = head;
-        head = below[0] - column[ABOVE + 1] * by;
+        head = ahead[0] - column[ABOVE + 1] * by;
         for i in 1..LOWER {
-            below[i - 1] = below[i] - column[ABOVE + 1 + i] * by;
+            ahead[i - 1] = ahead[i] - column[ABOVE + 1 + i] * by;
         }
-        below[LOWER - 1] = next;
+        ahead[LOWER - 1] = next;
     }
-    // The unknowns behind, the nearest first. That one is waited for and comes last.
-    let mut behind = [T::zero(); ABOVE];
-    let mut back = |k: usize, reach: usize, rows: &[T]| {
-        let mut head = x[k];
-        for i in (0..reach).rev() {
-            head = head - rows[(i + 1) * stride + ABOVE - 1 - i] * behind[i];
+    // What is left of the unknowns behind, the nearest first.
+    let left = |k: usize, x: &[T]| if k < n { x[k] } else { T::zero() };
+    let mut behind: [T; ABOVE] = std::array::from_fn(|i| left(n.wrapping_sub(i + 1), x));
+    for (k, column) in columns.iter().enumerate().rev() {
+        let by = behind[0];
+        x[k] = by * column[ABOVE];
+        for i in 1..ABOVE {
+            behind[i - 1] = behind[i] - column[ABOVE - i] * by;
         }
-        for i in (1..ABOVE).rev() {
-            behind[i] = behind[i - 1];
-        }
-        behind[0] = head;
-        x[k] = head * rows[ABOVE];
-    };
-    let whole = n.saturating_sub(ABOVE);
-    for k in (whole..n).rev() {
-        back(k, n - 1 - k, &a[k * stride..n * stride]);
-    }
-    for (k, rows) in a[..n * stride].windows((ABOVE + 1) * stride).step_by(stride).enumerate().rev() {
-        back(k, ABOVE, rows);
+        behind[ABOVE - 1] = left(k.wrapping_sub(ABOVE), x) - column[0] * by;
     }
 }
 

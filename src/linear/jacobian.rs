@@ -89,7 +89,7 @@ impl<T> Index<(usize, usize)> for Jacobian<'_, T> {
 }
 
 impl<T: Scalar> IndexMut<(usize, usize)> for Jacobian<'_, T> {
-    #[inline]
+    #[inline(always)]
     fn index_mut(&mut self, (i, j): (usize, usize)) -> &mut T {
         match self.layout.place(i, j) {
             Some(at) => &mut self.entries[at],

@@ -73,10 +73,15 @@ impl<T: Scalar> Square<T> for Large<T> {
         (Layout::In(&self.pattern), &mut self.entries)
     }
     fn add_identity(&mut self) {
-        let n = self.pattern.n();
-        for i in 0..n {
-            if let Some(at) = self.pattern.place(i, i) {
-                self.entries[at] = T::one() + self.entries[at];
+        let add = |entry: &mut T| *entry = T::one() + *entry;
+        match self.pattern.shape() {
+            Shape::Dense => self.entries.iter_mut().step_by(self.pattern.n() + 1).for_each(add),
+            Shape::Banded { lower, upper } => {
+                self.entries.iter_mut().skip(lower + upper).step_by(2 * lower + upper + 1).for_each(add);
+            }
+            Shape::Sparse { .. } => {
+                let diagonal = (0..self.pattern.n()).filter_map(|i| self.pattern.place(i, i));
+                diagonal.for_each(|at| add(&mut self.entries[at]));
             }
         }
     }

@@ -49,21 +49,17 @@ pub trait Square<T: Scalar>: Clone {
     fn negative(&self) -> bool;
 }
 
-/// Calls `with` for every entry that can be other than zero: its row, its column, its value.
-pub(crate) fn each_entry<T: Scalar>(matrix: &impl Square<T>, mut with: impl FnMut(usize, usize, T)) {
+/// Calls `with` for all entries that can be other than zero: a column, a row, and the entries from there downwards.
+pub(crate) fn each_run<T: Scalar>(matrix: &impl Square<T>, mut with: impl FnMut(usize, usize, &[T])) {
     let entries = matrix.entries();
     match matrix.layout() {
         Layout::Dense { n } => {
-            for (j, column) in entries.chunks_exact(n.max(1)).enumerate() {
-                column.iter().enumerate().for_each(|(i, &entry)| with(i, j, entry));
-            }
+            entries.chunks_exact(n.max(1)).enumerate().for_each(|(j, column)| with(j, 0, column));
         }
         Layout::In(pattern) => {
             for j in 0..pattern.n() {
-                for i in pattern.column(j) {
-                    if let Some(at) = pattern.place(i, j) {
-                        with(i, j, entries[at]);
-                    }
+                for (row, places) in pattern.runs(j) {
+                    with(j, row, &entries[places]);
                 }
             }
         }

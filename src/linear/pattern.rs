@@ -1,6 +1,7 @@
 //! Where a matrix can be other than zero, and how its entries are stored.
 
 use std::fmt;
+use std::ops::Range;
 
 /// The entries of df/dy that can be other than zero: all, those of a band, or single ones.
 ///
@@ -206,13 +207,34 @@ impl Pattern {
         }
         match &self.shape {
             Shape::Dense => Some(row + column * self.n),
-            Shape::Banded { lower, upper } => (row <= column + lower && column <= row + upper)
-                .then(|| (2 * lower + upper + 1) * column + lower + upper + row - column),
+            Shape::Banded { lower, upper } => {
+                // Beyond the band it wraps round, or is too large.
+                let down = (row + upper).wrapping_sub(column);
+                (down <= lower + upper).then(|| (2 * lower + upper + 1) * column + lower + down)
+            }
             Shape::Sparse { starts, rows } => {
                 let found = rows[starts[column]..starts[column + 1]].binary_search(&row);
                 found.ok().map(|k| starts[column] + k)
             }
         }
+    }
+
+    /// The stored entries of a column that stand below each other: the row of the first, and their places.
+    pub(crate) fn runs(&self, j: usize) -> impl Iterator<Item = (usize, Range<usize>)> {
+        let n = self.n;
+        let (one, many) = match &self.shape {
+            Shape::Dense => (Some((0, j * n..(j + 1) * n)), None),
+            Shape::Banded { lower, upper } => {
+                let (first, end) = (j.saturating_sub(*upper), (j + lower + 1).min(n));
+                let from = (2 * lower + upper + 1) * j + lower + upper + first - j;
+                (Some((first, from..from + end - first)), None)
+            }
+            Shape::Sparse { starts, rows } => {
+                let places = starts[j]..starts[j + 1];
+                (None, Some(places.clone().zip(&rows[places]).map(|(at, &row)| (row, at..at + 1))))
+            }
+        };
+        one.into_iter().chain(many.into_iter().flatten())
     }
 
     /// The row of a stored entry.

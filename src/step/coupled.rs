@@ -4,6 +4,7 @@
 use super::derivative::subtract;
 use super::implicit::finite;
 use super::iteration::Iteration;
+use super::measure::square_sum;
 use super::scalar::{Real, Scalar};
 use super::state::{RealOf, State};
 use super::stepper::Unsolved;
@@ -26,7 +27,8 @@ struct Single<R, Q> {
 #[derive(Clone)]
 struct Double<R, Q> {
     value: [R; 2],
-    into: Vec<[R; 2]>,
+    /// Real and imaginary parts.
+    into: [Vec<R>; 2],
     back: Vec<[R; 2]>,
     matrix: Q,
 }
@@ -43,9 +45,12 @@ pub(super) struct Coupled<Y: State> {
     stages: Vec<Y>,
     residuals: Vec<Y>,
     changes: Vec<Y>,
-    /// Slopes of the last accepted step and its size, to extrapolate from.
+    /// Slopes of the last accepted step and its size, to extrapolate from, with the weights that do; one over
+    /// `prod (c_j - c_k)` for all j.
     old: Vec<Y>,
     old_h: RealOf<Y>,
+    drawn: Vec<RealOf<Y>>,
+    lagrange: Vec<RealOf<Y>>,
     w: Y,
     pairs: Y::Pairs,
     /// gamma_0 and the weights of f_n and F_i in the error estimate, where the table has none of its own.
@@ -78,7 +83,7 @@ impl<Y: State> Coupled<Y> {
         let parts = |x: num_complex::Complex<f64>| [real(x.re), real(x.im)];
         let double = (eigen.real..eigen.values.len()).map(|k| Double {
             value: parts(eigen.values[k]),
-            into: (0..s).map(|i| parts(eigen.inverse[k][i])).collect(),
+            into: [0, 1].map(|part| (0..s).map(|i| parts(eigen.inverse[k][i])[part]).collect()),
             back: (0..s).map(|i| parts(eigen.vectors[i][k])).collect(),
             matrix: Y::PairSquare::new(&known.pattern),
         });
@@ -105,6 +110,8 @@ impl<Y: State> Coupled<Y> {
             changes: vec![y.clone(); s],
             old: vec![y.clone(); s],
             old_h: RealOf::<Y>::zero(),
+            drawn: vec![RealOf::<Y>::zero(); s],
+            lagrange: (0..s).map(|j| real(1.0 / apart(&c, j))).collect(),
             w: y.clone(),
             pairs: y.pairs(),
             estimate,
@@ -181,13 +188,8 @@ impl<Y: State> Coupled<Y> {
         let s = slopes.len();
         for (stage, row) in self.stages.iter_mut().zip(&self.a) {
             let stage = stage.as_mut_slice();
-            stage.copy_from_slice(y.as_slice());
-            for (slope, &a) in slopes.iter().zip(row) {
-                let a = h * a;
-                for (stage, f) in stage.iter_mut().zip(slope.as_slice()) {
-                    *stage = *stage + f.scale(a);
-                }
-            }
+            weighted(row, slopes, stage, |y, sum| *y = sum.scale(h));
+            stage.iter_mut().zip(y.as_slice()).for_each(|(stage, &y)| *stage = y + *stage);
         }
         loop {
             for (((stage, residual), &c), slope) in
@@ -211,87 +213,103 @@ impl<Y: State> Coupled<Y> {
         Ok(iteration)
     }
 
-    /// Adds the corrections of slopes and stages; the sum of squares of the latter over their weights.
+    /// Adds the corrections of slopes and stages; the sum of squares of the latter over their weights. For a count of
+    /// stages that is written down the compiler unrolls all loops over them.
     fn correct(&mut self, h: RealOf<Y>, slopes: &mut [Y], weights: &Y) -> f64 {
-        let zero = Y::Scalar::zero();
-        self.changes.iter_mut().for_each(|x| x.as_mut_slice().fill(zero));
-        for block in &mut self.single {
-            let w = self.w.as_mut_slice();
-            w.fill(zero);
-            for (&into, r) in block.into.iter().zip(&self.residuals) {
-                for (w, r) in w.iter_mut().zip(r.as_slice()) {
-                    *w = *w + r.scale(into);
-                }
-            }
-            block.matrix.solve(w);
-            for (change, &back) in self.changes.iter_mut().zip(&block.back) {
-                for (d, w) in change.as_mut_slice().iter_mut().zip(&*w) {
-                    *d = *d + w.scale(back);
-                }
-            }
+        match slopes.len() {
+            2 => self.correct_stages(2, h, slopes, weights),
+            3 => self.correct_stages(3, h, slopes, weights),
+            4 => self.correct_stages(4, h, slopes, weights),
+            5 => self.correct_stages(5, h, slopes, weights),
+            s => self.correct_stages(s, h, slopes, weights),
         }
+    }
+
+    #[inline(always)]
+    fn correct_stages(&mut self, s: usize, h: RealOf<Y>, slopes: &mut [Y], weights: &Y) -> f64 {
+        let Self { single, double, a, stages, residuals, changes, w, pairs, .. } = self;
+        let (stages, residuals, changes) = (&mut stages[..s], &residuals[..s], &mut changes[..s]);
+        let (w, pairs, slopes) = (w.as_mut_slice(), pairs.as_mut(), &mut slopes[..s]);
         let two = RealOf::<Y>::from_f64(2.0);
-        for block in &mut self.double {
-            let w = self.pairs.as_mut();
-            w.fill(Pair::zero());
-            for (&[re, im], r) in block.into.iter().zip(&self.residuals) {
-                for (w, r) in w.iter_mut().zip(r.as_slice()) {
-                    *w = *w + Pair { re: r.scale(re), im: r.scale(im) };
-                }
-            }
+        // The first block writes, the others add.
+        let none = single.is_empty();
+        for (k, block) in single.iter_mut().enumerate() {
+            let (into, back) = (&block.into[..s], &block.back[..s]);
+            weighted(into, residuals, w, |w, sum| *w = sum);
             block.matrix.solve(w);
-            for (change, &[re, im]) in self.changes.iter_mut().zip(&block.back) {
-                let (re, im) = (two * re, two * im);
-                for (d, w) in change.as_mut_slice().iter_mut().zip(&*w) {
-                    *d = *d + (w.re.scale(re) - w.im.scale(im));
+            for (change, &back) in changes.iter_mut().zip(back) {
+                let all = change.as_mut_slice().iter_mut().zip(&*w);
+                match k {
+                    0 => all.for_each(|(d, w)| *d = w.scale(back)),
+                    _ => all.for_each(|(d, w)| *d = *d + w.scale(back)),
                 }
             }
         }
-        for (slope, change) in slopes.iter_mut().zip(&self.changes) {
+        for (k, block) in double.iter_mut().enumerate() {
+            let ([re, im], back) = (&block.into, &block.back[..s]);
+            weighted(&re[..s], residuals, pairs, |w, sum| w.re = sum);
+            weighted(&im[..s], residuals, pairs, |w, sum| w.im = sum);
+            block.matrix.solve(pairs);
+            for (change, &[re, im]) in changes.iter_mut().zip(back) {
+                let (re, im) = (two * re, two * im);
+                let term = |w: &Pair<Y::Scalar>| w.re.scale(re) - w.im.scale(im);
+                let all = change.as_mut_slice().iter_mut().zip(&*pairs);
+                match none && k == 0 {
+                    true => all.for_each(|(d, w)| *d = term(w)),
+                    false => all.for_each(|(d, w)| *d = *d + term(w)),
+                }
+            }
+        }
+        for (slope, change) in slopes.iter_mut().zip(&*changes) {
             for (f, &d) in slope.as_mut_slice().iter_mut().zip(change.as_slice()) {
                 *f = *f + d;
             }
         }
         // By A itself, not by its eigenvectors: stages and slopes agree to the last digit of A.
         let mut square = 0.0;
-        for (i, stage) in self.stages.iter_mut().enumerate() {
-            let w = self.w.as_mut_slice();
-            w.fill(zero);
-            for (&a, change) in self.a[i].iter().zip(&self.changes) {
-                for (w, d) in w.iter_mut().zip(change.as_slice()) {
-                    *w = *w + d.scale(a);
-                }
+        for (stage, row) in stages.iter_mut().zip(&a[..s]) {
+            weighted(&row[..s], changes, w, |w, sum| *w = sum.scale(h));
+            for (y, &w) in stage.as_mut_slice().iter_mut().zip(&*w) {
+                *y = *y + w;
             }
-            for ((y, w), &weight) in stage.as_mut_slice().iter_mut().zip(&*w).zip(weights.as_slice()) {
-                let change = w.scale(h);
-                *y = *y + change;
-                square += (change * weight).square().to_f64();
-            }
+            let weights = &weights.as_slice()[..w.len()];
+            square += square_sum(w.len(), |i| w[i] * weights[i]);
         }
         square
     }
 
     /// The collocation polynomial of the last step, drawn out; nothing where there was none: the slope at a start far
     /// from where the solution wants to be would be larger than all that follows.
-    fn guess(&self, h: RealOf<Y>, slopes: &mut [Y]) {
-        let s = slopes.len();
-        let ratio = if self.old_h.is_zero() { RealOf::<Y>::zero() } else { h / self.old_h };
-        for (i, slope) in slopes.iter_mut().enumerate() {
-            let slope = slope.as_mut_slice();
-            slope.fill(Y::Scalar::zero());
-            if ratio.is_zero() {
-                continue;
-            }
-            let theta = RealOf::<Y>::one() + ratio * self.c[i];
+    fn guess(&mut self, h: RealOf<Y>, slopes: &mut [Y]) {
+        match slopes.len() {
+            2 => self.guess_stages(2, h, slopes),
+            3 => self.guess_stages(3, h, slopes),
+            4 => self.guess_stages(4, h, slopes),
+            5 => self.guess_stages(5, h, slopes),
+            s => self.guess_stages(s, h, slopes),
+        }
+    }
+
+    #[inline(always)]
+    fn guess_stages(&mut self, s: usize, h: RealOf<Y>, slopes: &mut [Y]) {
+        if self.old_h.is_zero() {
+            slopes.iter_mut().for_each(|slope| slope.as_mut_slice().fill(Y::Scalar::zero()));
+            return;
+        }
+        let ratio = h / self.old_h;
+        let (c, lagrange, drawn) = (&self.c[..s], &self.lagrange[..s], &mut self.drawn[..s]);
+        let old = &self.old[..s];
+        for (i, slope) in slopes[..s].iter_mut().enumerate() {
+            let theta = RealOf::<Y>::one() + ratio * c[i];
             for j in 0..s {
-                let mut weight = RealOf::<Y>::one();
-                for k in (0..s).filter(|&k| k != j) {
-                    weight = weight * ((theta - self.c[k]) / (self.c[j] - self.c[k]));
-                }
-                for (slope, f) in slope.iter_mut().zip(self.old[j].as_slice()) {
-                    *slope = *slope + f.scale(weight);
+                drawn[j] = lagrange[j];
+                for k in 0..s {
+                    if k != j {
+                        drawn[j] = drawn[j] * (theta - c[k]);
+                    }
                 }
             }
+            weighted(drawn, old, slope.as_mut_slice(), |slope, sum| *slope = sum);
         }
     }
 
@@ -326,6 +344,42 @@ impl<Y: State> Coupled<Y> {
             (None, None) => {}
         }
         Some(&self.error)
+    }
+}
+
+/// prod_k (c_j - c_k)
+fn apart(c: &[f64], j: usize) -> f64 {
+    (0..c.len()).filter(|&k| k != j).map(|k| c[j] - c[k]).product()
+}
+
+/// Does `with` to each component and a weighted sum of those of the vectors.
+#[inline(always)]
+fn weighted<Y: State, T>(weights: &[RealOf<Y>], of: &[Y], to: &mut [T], with: impl Fn(&mut T, Y::Scalar)) {
+    /// Of long vectors, whose lengths are compared once.
+    #[inline(always)]
+    fn long<Y: State, T, const S: usize>(
+        weights: &[RealOf<Y>],
+        of: &[Y],
+        to: &mut [T],
+        with: impl Fn(&mut T, Y::Scalar),
+    ) {
+        let (Some(weights), Some(of)) = (weights.first_chunk::<S>(), of.first_chunk::<S>()) else { return };
+        let of = of.each_ref().map(|x| &x.as_slice()[..to.len()]);
+        for (i, to) in to.iter_mut().enumerate() {
+            let first = of[0][i].scale(weights[0]);
+            with(to, (1..S).fold(first, |sum, j| sum + of[j][i].scale(weights[j])));
+        }
+    }
+    match weights.len() {
+        2 if !Y::INLINE => return long::<Y, T, 2>(weights, of, to, with),
+        3 if !Y::INLINE => return long::<Y, T, 3>(weights, of, to, with),
+        4 if !Y::INLINE => return long::<Y, T, 4>(weights, of, to, with),
+        5 if !Y::INLINE => return long::<Y, T, 5>(weights, of, to, with),
+        _ => {}
+    }
+    for (i, to) in to.iter_mut().enumerate() {
+        let first = of[0].as_slice()[i].scale(weights[0]);
+        with(to, (1..weights.len()).fold(first, |sum, j| sum + of[j].as_slice()[i].scale(weights[j])));
     }
 }
 

@@ -5,12 +5,27 @@ use super::scalar::{Real, Scalar};
 use super::state::{RealOf, State};
 use super::stepper::{Refused, Unsolved};
 use super::system::System;
-use crate::linear::each_entry;
+use crate::linear::each_run;
 use crate::tableau::Form;
 use num_traits::{One, Zero};
 
 /// A step that could grow by no more than this is kept.
 const KEPT: f64 = 1.2;
+
+/// The sum over components of the square of what `x` gives for each, in lanes that do not wait for each other.
+#[inline(always)]
+pub(super) fn square_sum<T: Scalar>(n: usize, x: impl Fn(usize) -> T) -> f64 {
+    const LANES: usize = 8;
+    let mut sums = [0.0; LANES];
+    let whole = n - n % LANES;
+    for block in (0..whole).step_by(LANES) {
+        for (lane, sum) in sums.iter_mut().enumerate() {
+            *sum += x(block + lane).square().to_f64();
+        }
+    }
+    let rest = (whole..n).fold(0.0, |sum, i| sum + x(i).square().to_f64());
+    sums.iter().fold(rest, |all, sum| all + sum)
+}
 
 impl<Y: State> Solver<Y> {
     /// The largest change of a component in the step, from the last slopes, or from f where there are none.
@@ -64,8 +79,10 @@ impl<Y: State> Solver<Y> {
         let weights = self.weights.as_slice();
         let sums = self.residual.as_mut_slice();
         sums.fill(Y::Scalar::zero());
-        each_entry(&self.jacobian, |i, j, entry| {
-            sums[i] = sums[i] + Y::Scalar::one().scale((entry * weights[i] / weights[j]).modulus());
+        each_run(&self.jacobian, |j, row, entries| {
+            for ((sum, &entry), &weight) in sums[row..].iter_mut().zip(entries).zip(&weights[row..]) {
+                *sum = *sum + Y::Scalar::one().scale((entry * weight / weights[j]).modulus());
+            }
         });
         let largest = sums.iter().map(|sum| sum.modulus().to_f64()).fold(0.0, f64::max);
         h.modulus().to_f64() * largest

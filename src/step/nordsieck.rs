@@ -5,6 +5,7 @@
 
 use super::implicit::{Solver, finite};
 use super::iteration::Corrections;
+use super::measure::square_sum;
 use super::order::{CAREFUL, FIRST_GROWTH, estimates};
 use super::scalar::{Real, Scalar};
 use super::state::{RealOf, State};
@@ -87,38 +88,73 @@ impl<Y: State> Nordsieck<Y> {
         }
     }
 
-    /// z' = P z, scaled from the step of z to `h`: blocks of components, so that the triangle is run through in
-    /// registers.
+    /// z' = P z, scaled from the step of z to `h`.
     fn predict(&mut self, z: &[Y], next: &mut [Y], h: RealOf<Y>) {
-        const WIDTH: usize = 8;
-        let (q, n) = (self.order, z[0].as_slice().len());
+        let q = self.order;
         let mut powers = [RealOf::<Y>::one(); CARRIED];
         for k in 1..=q {
             powers[k] = powers[k - 1] * (h / self.h);
         }
-        let mut from = 0;
-        while from < n {
-            let width = WIDTH.min(n - from);
-            let mut block = [[Y::Scalar::zero(); WIDTH]; CARRIED];
-            for k in 0..=q {
-                let z = &z[k].as_slice()[from..from + width];
-                block[k].iter_mut().zip(z).for_each(|(to, z)| *to = z.scale(powers[k]));
-            }
-            for k in 0..q {
-                for j in (k..q).rev() {
-                    let (low, high) = block.split_at_mut(j + 1);
-                    low[j].iter_mut().zip(&high[0]).for_each(|(low, high)| *low = *low + *high);
-                }
-            }
-            for k in 0..=q {
-                next[k].as_mut_slice()[from..from + width].copy_from_slice(&block[k][..width]);
-            }
-            from += width;
+        match q {
+            1 => triangle::<Y, 2>(&powers, z, next),
+            2 => triangle::<Y, 3>(&powers, z, next),
+            3 => triangle::<Y, 4>(&powers, z, next),
+            4 => triangle::<Y, 5>(&powers, z, next),
+            5 => triangle::<Y, 6>(&powers, z, next),
+            6 => triangle::<Y, 7>(&powers, z, next),
+            7 => triangle::<Y, 8>(&powers, z, next),
+            8 => triangle::<Y, 9>(&powers, z, next),
+            9 => triangle::<Y, 10>(&powers, z, next),
+            10 => triangle::<Y, 11>(&powers, z, next),
+            11 => triangle::<Y, 12>(&powers, z, next),
+            _ => triangle::<Y, 13>(&powers, z, next),
         }
         for next in &mut next[q + 1..=self.top.max(q)] {
             next.as_mut_slice().fill(Y::Scalar::zero());
         }
         self.top = q;
+    }
+}
+
+/// Pascal's triangle on so many vectors: blocks of components run through it in registers.
+fn triangle<Y: State, const K: usize>(powers: &[RealOf<Y>; CARRIED], z: &[Y], next: &mut [Y]) {
+    const WIDTH: usize = 8;
+    let n = z[0].as_slice().len();
+    let z: [&[Y::Scalar]; K] = std::array::from_fn(|k| &z[k].as_slice()[..n]);
+    let Some(next) = next.first_chunk_mut::<K>() else { return };
+    let mut next = next.each_mut().map(|next| &mut next.as_mut_slice()[..n]);
+    let whole = n - n % WIDTH;
+    for at in (0..whole).step_by(WIDTH) {
+        block::<_, K, WIDTH>(powers, &z, &mut next, at);
+    }
+    for at in whole..n {
+        block::<_, K, 1>(powers, &z, &mut next, at);
+    }
+}
+
+#[inline(always)]
+fn block<T: Scalar, const K: usize, const WIDTH: usize>(
+    powers: &[T::Real; CARRIED],
+    z: &[&[T]; K],
+    next: &mut [&mut [T]; K],
+    at: usize,
+) {
+    let mut block = [[T::zero(); WIDTH]; K];
+    for k in 0..K {
+        let z = &z[k][at..at + WIDTH];
+        for i in 0..WIDTH {
+            block[k][i] = z[i].scale(powers[k]);
+        }
+    }
+    for k in 0..K - 1 {
+        for j in (k..K - 1).rev() {
+            for i in 0..WIDTH {
+                block[j][i] = block[j][i] + block[j + 1][i];
+            }
+        }
+    }
+    for k in 0..K {
+        next[k][at..at + WIDTH].copy_from_slice(&block[k]);
     }
 }
 
@@ -292,16 +328,16 @@ impl<Y: State> Solver<Y> {
             if form.damped {
                 self.factors[0].matrix.solve(self.residual.as_mut_slice());
             }
-            let mut square = 0.0;
             let parts = e.as_mut_slice().iter_mut().zip(y.as_mut_slice()).zip(predicted.as_slice());
-            let corrections = self.residual.as_slice().iter().zip(self.weights.as_slice());
-            for (((e, y), &p), (&d, &w)) in parts.zip(corrections) {
-                let d = d.scale(share);
-                *e = *e + d;
+            for (((e, y), &p), d) in parts.zip(self.residual.as_mut_slice()) {
+                *d = d.scale(share);
+                *e = *e + *d;
                 *y = p + e.scale(l0);
-                square += (d * w).square().to_f64();
             }
-            let size = (square / self.residual.as_slice().len().max(1) as f64).sqrt();
+            let (d, weights) = (self.residual.as_slice(), self.weights.as_slice());
+            let n = d.len();
+            let weights = &weights[..n];
+            let size = (square_sum(n, |i| d[i] * weights[i]) / n.max(1) as f64).sqrt();
             if let Some(done) = family.corrections.judge(size * unit, 0.5 / (q as f64 + 2.0)) {
                 return done;
             }

@@ -5,6 +5,7 @@
 //! (Gear 1971, ch. 9; Hindmarsh 1983, Scientific Computing, 55).
 
 use super::implicit::Solver;
+use super::measure::square_sum;
 use super::nordsieck::{Nordsieck, Start};
 use super::norm::Tolerance;
 use super::scalar::{Plain, Real, Scalar};
@@ -63,11 +64,19 @@ impl<Y: State> Solver<Y> {
         Some(square)
     }
 
-    /// The root of the mean square of x over what matters.
-    fn size(&self, x: impl Iterator<Item = Y::Scalar>) -> f64 {
-        let weights = self.weights.as_slice();
-        let sum: f64 = x.zip(weights).map(|(x, &w)| (x * w).square().to_f64()).sum();
-        (sum / weights.len().max(1) as f64).sqrt()
+    /// The root of the mean square over what matters of x less `from`.
+    fn size(&self, x: &Y, from: Option<&Y>) -> f64 {
+        let (x, weights) = (x.as_slice(), self.weights.as_slice());
+        let n = weights.len();
+        let (x, weights) = (&x[..n], &weights[..n]);
+        let sum = match from {
+            None => square_sum(n, |i| x[i] * weights[i]),
+            Some(from) => {
+                let from = &from.as_slice()[..n];
+                square_sum(n, |i| (x[i] - from[i]) * weights[i])
+            }
+        };
+        (sum / n.max(1) as f64).sqrt()
     }
 
     /// Chooses the order of the next step, after an accepted one; gives the factor of its size.
@@ -92,12 +101,10 @@ impl<Y: State> Solver<Y> {
         let [down, _, up] = estimates(form, q);
         let mut factors = [0.0, allowed(family.error, q, BIAS[1]), 0.0];
         if q > 1 {
-            let size = self.size(z[q].as_slice().iter().copied());
-            factors[0] = allowed(down * size, q - 1, BIAS[0]);
+            factors[0] = allowed(down * self.size(&z[q], None), q - 1, BIAS[0]);
         }
         if q < form.orders {
-            let change = e.as_slice().iter().zip(family.last.as_slice()).map(|(&e, &last)| e - last);
-            factors[2] = allowed(up * self.size(change), q + 1, BIAS[2]);
+            factors[2] = allowed(up * self.size(e, Some(&family.last)), q + 1, BIAS[2]);
         }
         let threatened = form.damped && self.threatened(family, form, e, &mut factors);
         let best = if factors[2] > factors[1].max(factors[0]) {
@@ -140,13 +147,13 @@ impl<Y: State> Solver<Y> {
             family.wait = 5;
         } else {
             factor = allowed(family.error, q, BIAS[1]);
-            let mut power = RealOf::<Y>::one();
-            for _ in 0..q {
-                power = power * (self.tried / family.h);
-            }
-            let z = words[q].as_slice().iter().map(|z| z.scale(power));
-            let lower =
-                if q > 1 { allowed(estimates(form, q)[0] * self.size(z), q - 1, BIAS[0]) } else { 0.0 };
+            let lower = match q {
+                1 => 0.0,
+                _ => {
+                    let power = (self.tried / family.h).to_f64().abs().powi(q as i32);
+                    allowed(estimates(form, q)[0] * self.size(&words[q], None) * power, q - 1, BIAS[0])
+                }
+            };
             if lower > factor {
                 family.set_order(q - 1, &mut words[..form.r]);
                 family.wait = q;
