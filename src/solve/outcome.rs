@@ -60,6 +60,7 @@ impl Refused {
             Unsolved::Diverged => Why::NewtonFailed { stage: self.stage },
             Unsolved::Singular { component } => Why::Singular { component },
             Unsolved::Outgrown => Why::Outgrown,
+            Unsolved::Rounding { component } => Why::Rounding { component },
             Unsolved::NonFinite { component } => Why::NonFinite { component, stage: Some(self.stage) },
             Unsolved::Jacobian { component } => Why::Jacobian { component },
             Unsolved::OutsidePattern { row, column } => Why::OutsidePattern { row, column },
@@ -168,6 +169,9 @@ pub enum Why {
     /// However small the step, the solution may grow faster than an implicit step can follow: it has a pole there, or
     /// an eigenvalue of its Jacobian is too large.
     Outgrown,
+    /// A Rosenbrock method multiplies with the Jacobian, whose rounding may have left no digit of this component that
+    /// is asked for: its equations conserve a sum of components that were much larger before.
+    Rounding { component: usize },
     /// An event recurs faster and faster, like a ball that comes to rest.
     TooManyEvents { event: usize },
 }
@@ -226,6 +230,10 @@ impl fmt::Display for Why {
                 )
             }
             Why::Outgrown => f.write_str("the solution grows faster than any step can follow"),
+            Why::Rounding { component } => write!(
+                f,
+                "rounding of the Jacobian may have spoiled component {component}: take a method that iterates, such as radau-iia5"
+            ),
             Why::TooManyEvents { event } => write!(f, "event {event} recurs without end"),
         }
     }

@@ -220,7 +220,7 @@ pub(crate) fn drive<A: Arith, P: Pace, M: Method, Y: State, S: System<Y>>(
                     }
                 }
             };
-            let hopeless = implicit && matches!(why, Why::OutsidePattern { .. });
+            let hopeless = implicit && matches!(why, Why::OutsidePattern { .. } | Why::Rounding { .. });
             if !P::ADAPTIVE || hopeless || too_small(h, t, rules.min_step) {
                 h = if P::ADAPTIVE { h } else { step };
                 break Ended::Failed(why);

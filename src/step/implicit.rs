@@ -6,6 +6,7 @@ use super::coupled::Coupled;
 use super::iteration::Iteration;
 use super::nordsieck::Nordsieck;
 use super::norm::Tolerance;
+use super::rounding::Rounding;
 use super::row::{assemble_read, powers};
 use super::scalar::{Plain, Real, Scalar};
 use super::split::Stiff;
@@ -64,6 +65,8 @@ pub(crate) struct Solver<Y: State> {
     pub(super) tried: RealOf<Y>,
     /// The history of a family of multistep formulas.
     pub(super) nordsieck: Option<Box<Nordsieck<Y>>>,
+    /// What the rounding of J has made of y, where no iteration mends it and an error is judged.
+    pub(super) rounding: Option<Rounding<Y>>,
     pub effort: Effort,
 }
 
@@ -127,6 +130,7 @@ impl<Y: State> Solver<Y> {
             accepted: None,
             tried: RealOf::<Y>::zero(),
             nordsieck: (form.orders > 0).then(|| Box::new(Nordsieck::new(y, rounding))),
+            rounding: (adaptive && form.linear).then(|| Rounding::new(y)),
             effort: Effort::default(),
         }
     }
@@ -137,6 +141,9 @@ impl<Y: State> Solver<Y> {
         self.accepted = Some(self.tried);
         if let Some(family) = &mut self.nordsieck {
             family.moved(self.tried);
+        }
+        if let Some(rounding) = &mut self.rounding {
+            rounding.moved();
         }
     }
 
@@ -196,6 +203,11 @@ impl<Y: State> Solver<Y> {
             if !row.copies() && !row.last_y {
                 assemble_read::<Plain, Y>(&mut out[1 + j], row, &powers, x);
             }
+        }
+        if form.linear {
+            let end = if form.carry[0].last_y { &out[0] } else { &out[1] };
+            let (z, slopes) = x.split_at(form.r);
+            self.round(form, h, (&z[0], end), slopes).map_err(|why| Refused { stage: form.s - 1, why })?;
         }
         Ok(())
     }

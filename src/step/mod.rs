@@ -13,6 +13,7 @@ pub(crate) mod norm;
 pub(crate) mod order;
 pub(crate) mod oscillation;
 pub(crate) mod rosenbrock;
+pub(crate) mod rounding;
 pub(crate) mod row;
 pub(crate) mod scalar;
 pub(crate) mod split;

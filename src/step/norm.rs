@@ -19,4 +19,14 @@ impl<R: Real> Tolerance<R> {
             Tolerance::Each(each) => each[i],
         }
     }
+
+    /// The smallest absolute one.
+    pub(crate) fn least(&self) -> R {
+        match self {
+            Tolerance::Scalar { atol, .. } => *atol,
+            Tolerance::Each(each) => {
+                each.iter().fold(R::from_f64(f64::MAX), |least, &(_, atol)| least.minimum(atol))
+            }
+        }
+    }
 }

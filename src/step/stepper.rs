@@ -33,6 +33,8 @@ pub enum Unsolved {
     /// The matrix M - h g J is that of a smaller step with a determinant of the other sign: between the two a solution
     /// grows without bound.
     Outgrown,
+    /// The rounding of the Jacobian may have left no digit of this component that is asked for.
+    Rounding { component: usize },
     /// The right-hand side gave a NaN or an infinity in this component.
     NonFinite { component: usize },
     /// The Jacobian has one in this row.
