@@ -4,7 +4,7 @@
 use super::derivative::subtract;
 use super::implicit::finite;
 use super::iteration::Iteration;
-use super::measure::square_sum;
+use super::measure::weighted_square;
 use super::scalar::{Real, Scalar};
 use super::state::{RealOf, State};
 use super::stepper::Unsolved;
@@ -188,8 +188,13 @@ impl<Y: State> Coupled<Y> {
         let s = slopes.len();
         for (stage, row) in self.stages.iter_mut().zip(&self.a) {
             let stage = stage.as_mut_slice();
-            weighted(row, slopes, stage, |y, sum| *y = sum.scale(h));
-            stage.iter_mut().zip(y.as_slice()).for_each(|(stage, &y)| *stage = y + *stage);
+            stage.copy_from_slice(y.as_slice());
+            for (slope, &a) in slopes.iter().zip(row) {
+                let a = h * a;
+                for (stage, f) in stage.iter_mut().zip(slope.as_slice()) {
+                    *stage = *stage + f.scale(a);
+                }
+            }
         }
         loop {
             for (((stage, residual), &c), slope) in
@@ -213,67 +218,68 @@ impl<Y: State> Coupled<Y> {
         Ok(iteration)
     }
 
-    /// Adds the corrections of slopes and stages; the sum of squares of the latter over their weights. For a count of
-    /// stages that is written down the compiler unrolls all loops over them.
+    /// Adds the corrections of slopes and stages; the sum of squares of the latter over their weights.
     fn correct(&mut self, h: RealOf<Y>, slopes: &mut [Y], weights: &Y) -> f64 {
-        match slopes.len() {
-            2 => self.correct_stages(2, h, slopes, weights),
-            3 => self.correct_stages(3, h, slopes, weights),
-            4 => self.correct_stages(4, h, slopes, weights),
-            5 => self.correct_stages(5, h, slopes, weights),
-            s => self.correct_stages(s, h, slopes, weights),
-        }
-    }
-
-    #[inline(always)]
-    fn correct_stages(&mut self, s: usize, h: RealOf<Y>, slopes: &mut [Y], weights: &Y) -> f64 {
-        let Self { single, double, a, stages, residuals, changes, w, pairs, .. } = self;
-        let (stages, residuals, changes) = (&mut stages[..s], &residuals[..s], &mut changes[..s]);
-        let (w, pairs, slopes) = (w.as_mut_slice(), pairs.as_mut(), &mut slopes[..s]);
-        let two = RealOf::<Y>::from_f64(2.0);
-        // The first block writes, the others add.
-        let none = single.is_empty();
-        for (k, block) in single.iter_mut().enumerate() {
-            let (into, back) = (&block.into[..s], &block.back[..s]);
-            weighted(into, residuals, w, |w, sum| *w = sum);
+        let zero = Y::Scalar::zero();
+        self.changes.iter_mut().for_each(|x| x.as_mut_slice().fill(zero));
+        for block in &mut self.single {
+            let w = self.w.as_mut_slice();
+            w.fill(zero);
+            for (&into, r) in block.into.iter().zip(&self.residuals) {
+                for (w, r) in w.iter_mut().zip(r.as_slice()) {
+                    *w = *w + r.scale(into);
+                }
+            }
             block.matrix.solve(w);
-            for (change, &back) in changes.iter_mut().zip(back) {
-                let all = change.as_mut_slice().iter_mut().zip(&*w);
-                match k {
-                    0 => all.for_each(|(d, w)| *d = w.scale(back)),
-                    _ => all.for_each(|(d, w)| *d = *d + w.scale(back)),
+            for (change, &back) in self.changes.iter_mut().zip(&block.back) {
+                for (d, w) in change.as_mut_slice().iter_mut().zip(&*w) {
+                    *d = *d + w.scale(back);
                 }
             }
         }
-        for (k, block) in double.iter_mut().enumerate() {
-            let ([re, im], back) = (&block.into, &block.back[..s]);
-            weighted(&re[..s], residuals, pairs, |w, sum| w.re = sum);
-            weighted(&im[..s], residuals, pairs, |w, sum| w.im = sum);
-            block.matrix.solve(pairs);
-            for (change, &[re, im]) in changes.iter_mut().zip(back) {
+        let two = RealOf::<Y>::from_f64(2.0);
+        for block in &mut self.double {
+            let w = self.pairs.as_mut();
+            w.fill(Pair::zero());
+            for ((&re, &im), r) in block.into[0].iter().zip(&block.into[1]).zip(&self.residuals) {
+                for (w, r) in w.iter_mut().zip(r.as_slice()) {
+                    *w = *w + Pair { re: r.scale(re), im: r.scale(im) };
+                }
+            }
+            block.matrix.solve(w);
+            for (change, &[re, im]) in self.changes.iter_mut().zip(&block.back) {
                 let (re, im) = (two * re, two * im);
-                let term = |w: &Pair<Y::Scalar>| w.re.scale(re) - w.im.scale(im);
-                let all = change.as_mut_slice().iter_mut().zip(&*pairs);
-                match none && k == 0 {
-                    true => all.for_each(|(d, w)| *d = term(w)),
-                    false => all.for_each(|(d, w)| *d = *d + term(w)),
+                for (d, w) in change.as_mut_slice().iter_mut().zip(&*w) {
+                    *d = *d + (w.re.scale(re) - w.im.scale(im));
                 }
             }
         }
-        for (slope, change) in slopes.iter_mut().zip(&*changes) {
+        for (slope, change) in slopes.iter_mut().zip(&self.changes) {
             for (f, &d) in slope.as_mut_slice().iter_mut().zip(change.as_slice()) {
                 *f = *f + d;
             }
         }
         // By A itself, not by its eigenvectors: stages and slopes agree to the last digit of A.
         let mut square = 0.0;
-        for (stage, row) in stages.iter_mut().zip(&a[..s]) {
-            weighted(&row[..s], changes, w, |w, sum| *w = sum.scale(h));
-            for (y, &w) in stage.as_mut_slice().iter_mut().zip(&*w) {
-                *y = *y + w;
+        for (i, stage) in self.stages.iter_mut().enumerate() {
+            let w = self.w.as_mut_slice();
+            w.fill(zero);
+            for (&a, change) in self.a[i].iter().zip(&self.changes) {
+                for (w, d) in w.iter_mut().zip(change.as_slice()) {
+                    *w = *w + d.scale(a);
+                }
             }
-            let weights = &weights.as_slice()[..w.len()];
-            square += square_sum(w.len(), |i| w[i] * weights[i]);
+            for ((y, w), &weight) in stage.as_mut_slice().iter_mut().zip(&mut *w).zip(weights.as_slice()) {
+                let change = w.scale(h);
+                *y = *y + change;
+                match const { Y::INLINE } {
+                    true => square += (change * weight).square().to_f64(),
+                    false => *w = change,
+                }
+            }
+            if const { !Y::INLINE } {
+                square += weighted_square(&self.w, weights);
+            }
         }
         square
     }
@@ -309,7 +315,7 @@ impl<Y: State> Coupled<Y> {
                     }
                 }
             }
-            weighted(drawn, old, slope.as_mut_slice(), |slope, sum| *slope = sum);
+            weighted(drawn, old, slope);
         }
     }
 
@@ -352,34 +358,15 @@ fn apart(c: &[f64], j: usize) -> f64 {
     (0..c.len()).filter(|&k| k != j).map(|k| c[j] - c[k]).product()
 }
 
-/// Does `with` to each component and a weighted sum of those of the vectors.
+/// Writes a weighted sum of vectors.
 #[inline(always)]
-fn weighted<Y: State, T>(weights: &[RealOf<Y>], of: &[Y], to: &mut [T], with: impl Fn(&mut T, Y::Scalar)) {
-    /// Of long vectors, whose lengths are compared once.
-    #[inline(always)]
-    fn long<Y: State, T, const S: usize>(
-        weights: &[RealOf<Y>],
-        of: &[Y],
-        to: &mut [T],
-        with: impl Fn(&mut T, Y::Scalar),
-    ) {
-        let (Some(weights), Some(of)) = (weights.first_chunk::<S>(), of.first_chunk::<S>()) else { return };
-        let of = of.each_ref().map(|x| &x.as_slice()[..to.len()]);
-        for (i, to) in to.iter_mut().enumerate() {
-            let first = of[0][i].scale(weights[0]);
-            with(to, (1..S).fold(first, |sum, j| sum + of[j][i].scale(weights[j])));
+fn weighted<Y: State>(weights: &[RealOf<Y>], of: &[Y], to: &mut Y) {
+    let to = to.as_mut_slice();
+    for (j, (&weight, x)) in weights.iter().zip(of).enumerate() {
+        for (to, x) in to.iter_mut().zip(x.as_slice()) {
+            let term = x.scale(weight);
+            *to = if j == 0 { term } else { *to + term };
         }
-    }
-    match weights.len() {
-        2 if !Y::INLINE => return long::<Y, T, 2>(weights, of, to, with),
-        3 if !Y::INLINE => return long::<Y, T, 3>(weights, of, to, with),
-        4 if !Y::INLINE => return long::<Y, T, 4>(weights, of, to, with),
-        5 if !Y::INLINE => return long::<Y, T, 5>(weights, of, to, with),
-        _ => {}
-    }
-    for (i, to) in to.iter_mut().enumerate() {
-        let first = of[0].as_slice()[i].scale(weights[0]);
-        with(to, (1..weights.len()).fold(first, |sum, j| sum + of[j].as_slice()[i].scale(weights[j])));
     }
 }
 

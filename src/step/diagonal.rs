@@ -2,7 +2,7 @@
 
 use super::derivative::subtract;
 use super::implicit::{Factors, Solver, finite, stage_time};
-use super::measure::square_sum;
+use super::measure::weighted_square;
 use super::row::{assemble_read, powers};
 use super::scalar::{Plain, Real, Scalar};
 use super::state::{RealOf, State};
@@ -124,15 +124,21 @@ impl<Y: State> Solver<Y> {
             finite(&self.residual)?;
             subtract(&mut self.residual, self.mass.as_deref(), slope);
             matrix.solve(self.residual.as_mut_slice());
+            let mut square = 0.0;
             let unknowns = y.as_mut_slice().iter_mut().zip(slope.as_mut_slice());
-            for ((y, f), d) in unknowns.zip(self.residual.as_mut_slice()) {
+            let corrections = self.residual.as_mut_slice().iter_mut().zip(self.weights.as_slice());
+            for ((y, f), (d, &w)) in unknowns.zip(corrections) {
                 *f = *f + *d;
-                *d = d.scale(hg);
-                *y = *y + *d;
+                let change = d.scale(hg);
+                *y = *y + change;
+                match const { Y::INLINE } {
+                    true => square += (change * w).square().to_f64(),
+                    false => *d = change,
+                }
             }
-            let (d, weights) = (self.residual.as_slice(), self.weights.as_slice());
-            let weights = &weights[..d.len()];
-            let square = square_sum(d.len(), |i| d[i] * weights[i]);
+            if const { !Y::INLINE } {
+                square = weighted_square(&self.residual, &self.weights);
+            }
             if let Some(done) = iteration.judge((square / n).sqrt()) {
                 self.iteration.learn(&iteration);
                 return done;

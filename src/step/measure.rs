@@ -12,7 +12,8 @@ use num_traits::{One, Zero};
 /// A step that could grow by no more than this is kept.
 const KEPT: f64 = 1.2;
 
-/// The sum over components of the square of what `x` gives for each, in lanes that do not wait for each other.
+/// The sum over components of the square of what `x` gives for each, in lanes that do not wait for each other. (Short
+/// vectors are summed where they are written: read back at once, they would have to be waited for.)
 #[inline(always)]
 pub(super) fn square_sum<T: Scalar>(n: usize, x: impl Fn(usize) -> T) -> f64 {
     const LANES: usize = 8;
@@ -25,6 +26,14 @@ pub(super) fn square_sum<T: Scalar>(n: usize, x: impl Fn(usize) -> T) -> f64 {
     }
     let rest = (whole..n).fold(0.0, |sum, i| sum + x(i).square().to_f64());
     sums.iter().fold(rest, |all, sum| all + sum)
+}
+
+/// The sum of the squares of x over what matters.
+#[inline(always)]
+pub(super) fn weighted_square<Y: State>(x: &Y, weights: &Y) -> f64 {
+    let (x, weights) = (x.as_slice(), weights.as_slice());
+    let weights = &weights[..x.len()];
+    square_sum(x.len(), |i| x[i] * weights[i])
 }
 
 impl<Y: State> Solver<Y> {

@@ -5,7 +5,7 @@
 
 use super::implicit::{Solver, finite};
 use super::iteration::Corrections;
-use super::measure::square_sum;
+use super::measure::weighted_square;
 use super::order::{CAREFUL, FIRST_GROWTH, estimates};
 use super::scalar::{Real, Scalar};
 use super::state::{RealOf, State};
@@ -328,16 +328,21 @@ impl<Y: State> Solver<Y> {
             if form.damped {
                 self.factors[0].matrix.solve(self.residual.as_mut_slice());
             }
+            let mut square = 0.0;
             let parts = e.as_mut_slice().iter_mut().zip(y.as_mut_slice()).zip(predicted.as_slice());
-            for (((e, y), &p), d) in parts.zip(self.residual.as_mut_slice()) {
+            let corrections = self.residual.as_mut_slice().iter_mut().zip(self.weights.as_slice());
+            for (((e, y), &p), (d, &w)) in parts.zip(corrections) {
                 *d = d.scale(share);
                 *e = *e + *d;
                 *y = p + e.scale(l0);
+                if const { Y::INLINE } {
+                    square += (*d * w).square().to_f64();
+                }
             }
-            let (d, weights) = (self.residual.as_slice(), self.weights.as_slice());
-            let n = d.len();
-            let weights = &weights[..n];
-            let size = (square_sum(n, |i| d[i] * weights[i]) / n.max(1) as f64).sqrt();
+            if const { !Y::INLINE } {
+                square = weighted_square(&self.residual, &self.weights);
+            }
+            let size = (square / self.residual.as_slice().len().max(1) as f64).sqrt();
             if let Some(done) = family.corrections.judge(size * unit, 0.5 / (q as f64 + 2.0)) {
                 return done;
             }
