@@ -24,13 +24,6 @@ fn contest<M: Method>(methods: &[M]) -> (Vec<String>, usize) {
     for case in &cases() {
         for method in methods {
             let name = method.name();
-            // Components of 1e-13 and less beside one of 1e-3: the linear equation of a Rosenbrock stage is solved
-            // to the rounding of the largest, no iteration mends it, and the answer has no digits.
-            // So it is where the choice falls on one.
-            let linear = M::AUTO || matches!(method.form().stages(), Stages::Linear);
-            if case.name.starts_with("e5") && linear {
-                continue;
-            }
             for tolerance in TOLERANCES {
                 match case.attempt(method, tolerance, affordable(case)) {
                     Ok(reached) => {
@@ -42,6 +35,10 @@ fn contest<M: Method>(methods: &[M]) -> (Vec<String>, usize) {
                         }
                     }
                     Err(Why::TooManySteps { .. }) => break,
+                    // E5 conserves a sum of components that end ten decades below where they were.
+                    Err(Why::Rounding { .. })
+                        if case.name.starts_with("e5")
+                            && matches!(method.form().stages(), Stages::Linear) => {}
                     // Not every method takes a mass matrix.
                     Err(Why::Invalid(what)) if what.contains("M y'") => break,
                     // The rounding of a sum of 1 is beyond what is asked of the small amounts in it.

@@ -1,7 +1,7 @@
 //! Methods with implicit stages on what breaks such codes: values between steps, long relaxations, drift below the
 //! tolerance, matrices that are singular or old, and slopes that belong to the past.
 
-use kutta::problems::{Problem, RobertsonUntil1e11, RobertsonUntil40};
+use kutta::problems::{E5Until1e11, Equation, Problem, RobertsonUntil1e11, RobertsonUntil40};
 use kutta::tableau::Stages;
 use kutta::{Crossing, Ivp, Jacobian, Loaded, Mass, Method, OutOfDomain, System, Why, methods, solve};
 use std::cell::Cell;
@@ -404,4 +404,43 @@ fn nothing_of_a_rejected_step_is_used() {
             }
         }
     }
+}
+
+/// y' = y^2 from 1 has its pole at t = 1. A matrix 1 - 2 h g y of the other sign leads to the solution beyond it.
+#[test]
+fn no_method_steps_over_a_pole() {
+    let f = |_t: f64, y: &[f64; 1], dy: &mut [f64; 1]| dy[0] = y[0] * y[0];
+    let mut count = 0;
+    for method in adaptive() {
+        for tol in [1e-3, 1e-6] {
+            let run =
+                solve(f, [1.0], 0.0..2.0).with(method.clone()).rtol(tol).atol(tol).max_steps(10_000).run();
+            let name = method.name();
+            let stop = run.err().unwrap_or_else(|| panic!("{name} at {tol:e} crossed the pole"));
+            assert!(stop.t < 1.0 + 100.0 * tol, "{name} at {tol:e}: {stop}");
+            assert!(stop.solution.y[0] > 1.0, "{name} at {tol:e}: {stop}");
+            count += 1;
+        }
+    }
+    assert!(count > 60, "{count}");
+}
+
+/// On E5, where y2 - y3 - y4 stays 0 and all three fall by ten decades, products with a rounded Jacobian leave no digit.
+#[test]
+fn a_sum_lost_in_rounding_is_told() {
+    let p = E5Until1e11;
+    let run =
+        |method: Loaded| Ivp::new(Equation(p), p.y0(), 0.0..1e11).with(method).rtol(1e-5).atol(1e-27).run();
+    let mut count = 0;
+    for method in adaptive() {
+        let linear = matches!(method.form().stages(), Stages::Linear);
+        if !linear || method.form().order < 4 {
+            continue;
+        }
+        let stop =
+            run(method.clone()).err().unwrap_or_else(|| panic!("{} says that all is well", method.name()));
+        assert!(matches!(stop.why, Why::Rounding { .. }), "{}: {stop}", method.name());
+        count += 1;
+    }
+    assert!(count > 4, "{count}");
 }

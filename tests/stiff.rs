@@ -33,11 +33,6 @@ impl Visit for Contest {
         let case = cases.find(|case| case.name == name).expect("a stiff problem is a hard one");
         let (t0, t1) = problem.span();
         for (method, weak) in &self.methods {
-            // Components of 1e-13 and less beside one of 1e-3: the linear equation of a Rosenbrock stage is solved to
-            // the rounding of the largest, no iteration mends it, and the answer has no digits.
-            if P::NAME.starts_with("e5") && matches!(method.form().stages(), Stages::Linear) {
-                continue;
-            }
             let (tol, name) = (if method.form().order < 4 { 1e-4 } else { 1e-6 }, method.name());
             let small = 1e-2 * problem.scale();
             let run = Ivp::new(Equation(problem.clone()), problem.y0(), t0..t1).with(method.clone());
@@ -54,6 +49,11 @@ impl Visit for Contest {
                     let worst = s.y.as_ref().iter().zip(reference.as_ref()).map(off).fold(0.0, f64::max);
                     let bound = case.allowed(method, tol).0 * tol;
                     assert!(worst < bound, "{name} on {}: off by {worst:e}, {:?}", P::NAME, s.stats);
+                }
+                // Its sums are beyond a product with a Jacobian.
+                Err(stopped) if matches!(stopped.why, Why::Rounding { .. }) => {
+                    let linear = matches!(method.form().stages(), Stages::Linear);
+                    assert!(linear && P::NAME.starts_with("e5"), "{name} on {}: {stopped}", P::NAME);
                 }
                 Err(stopped) => {
                     assert!(*weak, "{name} on {}: {stopped}", P::NAME);

@@ -113,7 +113,7 @@ impl Case {
             factor *= 5.0;
             why = Some("the matrix magnifies an error of y2 a thousandfold before it is weighed");
         } else if named(&["e5-1e13"]) && rtol > 1e-6 {
-            least = 30.0;
+            least = 1e3;
             why = Some(
                 "y1 must fall by 25 decades before y2 is right, and a step that damps it is judged by the size it comes from",
             );

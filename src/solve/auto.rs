@@ -7,10 +7,11 @@ use crate::methods::{RadauIia5, Rodas5p, Tsit54};
 use crate::step::method::{Known, Loaded, Method};
 use crate::step::norm::Tolerance;
 use crate::step::row::form_of;
-use crate::step::scalar::{Real, Shown};
+use crate::step::scalar::{Real, Scalar, Shown};
 use crate::step::state::{RealOf, State};
 use crate::step::system::{OutOfDomain, System};
 use crate::tableau::Form;
+use num_traits::Zero;
 use std::fmt;
 
 /// What [`solve`](crate::solve) uses when no method is named.
@@ -19,9 +20,10 @@ use std::fmt;
 /// the fastest motion that the equation has (Hairer, Wanner 1996, IV.2). Where that stands at nine tenths of the
 /// method's stability limit or above, in fifteen looks with no six in between that say otherwise, stability sets the
 /// steps: the problem is stiff here, and the run goes on with `Rodas5p`, or with `RadauIia5` where rtol is below
-/// 1e-8 or the Jacobian is an approximate one. It returns to the explicit method where the norm of h J has been below half the limit for ten steps, twice as
-/// many after each return of stiffness. [`Solution::choices`](crate::Solution::choices) tells what was
-/// chosen, when and why.
+/// 1e-8, where an atol is below the spacing of numbers at the largest component of the start (a Rosenbrock method
+/// keeps no sum of components to less than that), or where the Jacobian is an approximate one. It returns to the
+/// explicit method where the norm of h J has been below half the limit for ten steps, twice as many after each return of
+/// stiffness. [`Solution::choices`](crate::Solution::choices) tells what was chosen, when and why.
 ///
 /// Above 2000 components without a [`Pattern`](crate::Pattern) it stays explicit: a Jacobian would be larger than what
 /// is asked for. With a mass matrix it begins with the method for stiff problems and stays with it.
@@ -114,7 +116,7 @@ pub(crate) struct Chooser<R> {
     /// The method in hand is one for stiff problems.
     pub stiff: bool,
     /// The Jacobian is only near df/dy.
-    approximate: bool,
+    iterating: bool,
     /// Taken along by the leg that runs.
     pub stiffness: Option<Stiffness>,
     pub choices: Vec<Choice<R>>,
@@ -123,7 +125,7 @@ pub(crate) struct Chooser<R> {
 impl<R: Real> Chooser<R> {
     /// Of a run whose method was named.
     pub fn named() -> Self {
-        Self { stiff: false, approximate: false, stiffness: None, choices: vec![] }
+        Self { stiff: false, iterating: false, stiffness: None, choices: vec![] }
     }
 
     /// Of a run from `t` that begins with an explicit `method`, unless there is a mass matrix. `patterned` says whether
@@ -131,7 +133,7 @@ impl<R: Real> Chooser<R> {
     pub fn new<M: Method>(
         method: &M,
         (t, n): (R, usize),
-        (mass, approximate): (bool, bool),
+        (mass, iterating): (bool, bool),
         patterned: impl FnOnce() -> bool,
         tolerance: &Tolerance<R>,
     ) -> Self {
@@ -142,14 +144,14 @@ impl<R: Real> Chooser<R> {
         let watched = !mass && (n <= DENSE || patterned());
         let first = match mass {
             true => {
-                let stiff = stiff_method(tolerance, approximate);
+                let stiff = stiff_method(tolerance, iterating);
                 Choice { t, method: stiff.name().to_string(), reason: Reason::Mass }
             }
             false => Choice { t, method: method.name().to_string(), reason: Reason::Start },
         };
         Self {
             stiff: mass,
-            approximate,
+            iterating,
             stiffness: watched.then(|| Stiffness::new(form_of(method), limit)),
             choices: vec![first],
         }
@@ -171,17 +173,23 @@ impl<R: Real> Chooser<R> {
     }
 
     pub fn stiff_method(&self, tolerance: &Tolerance<R>) -> Loaded {
-        stiff_method(tolerance, self.approximate)
+        stiff_method(tolerance, self.iterating)
     }
 }
 
-/// The method for stiff problems: one that iterates where the Jacobian is an `approximate` one.
-pub(crate) fn stiff_method<R: Real>(tolerance: &Tolerance<R>, approximate: bool) -> Loaded {
+/// Whether amounts are asked for that are lost in the rounding of the largest component.
+pub(crate) fn beyond_rounding<Y: State>(tolerance: &Tolerance<RealOf<Y>>, y: &Y) -> bool {
+    let sizes = y.as_slice().iter().map(|y| y.modulus());
+    tolerance.least() < sizes.fold(RealOf::<Y>::zero(), Real::maximum) * RealOf::<Y>::EPSILON
+}
+
+/// The method for stiff problems: one that iterates, or a Rosenbrock method.
+pub(crate) fn stiff_method<R: Real>(tolerance: &Tolerance<R>, iterating: bool) -> Loaded {
     let tightest = match tolerance {
         Tolerance::Scalar { rtol, .. } => rtol.to_f64(),
         Tolerance::Each(each) => each.iter().map(|(rtol, _)| rtol.to_f64()).fold(1.0, f64::min),
     };
-    if tightest < TIGHT || approximate {
+    if tightest < TIGHT || iterating {
         Loaded::of(RadauIia5.name(), RadauIia5.form())
     } else {
         Loaded::of(Rodas5p.name(), Rodas5p.form())

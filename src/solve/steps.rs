@@ -1,6 +1,6 @@
 //! A run from leg to leg: between breaks and events, with a start at each.
 
-use super::auto::{Chooser, Lent, stiff_method};
+use super::auto::{Chooser, Lent, beyond_rounding, stiff_method};
 use super::check::check;
 use super::control::Controller;
 use super::dense::Dense;
@@ -75,7 +75,8 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
         let mass = options.mass.is_some();
         let auto = const { M::AUTO && P::ADAPTIVE };
         let approximate = system.is_approximate();
-        let stiff = (auto && mass).then(|| stiff_method(&options.tolerance, approximate));
+        let iterating = approximate || auto && beyond_rounding(&options.tolerance, &y0);
+        let stiff = (auto && mass).then(|| stiff_method(&options.tolerance, iterating));
         let (name, form) = match &stiff {
             Some(stiff) => (stiff.name(), stiff.form()),
             None => (method.name(), form_of(&method)),
@@ -122,7 +123,7 @@ impl<'w, Y: State, S: System<Y>, M: Method, P: Pace> Steps<'w, Y, S, M, P> {
                 let patterned =
                     || !matches!(options.structure, Structure::System) || system.pattern().is_some();
                 let size = (t, y0.as_slice().len());
-                Chooser::new(&method, size, (mass, approximate), patterned, &rules.tolerance)
+                Chooser::new(&method, size, (mass, iterating), patterned, &rules.tolerance)
             }
             false => Chooser::named(),
         };

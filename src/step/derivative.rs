@@ -19,7 +19,7 @@ impl<Y: State> Solver<Y> {
     ) -> Result<(), Unsolved> {
         // Should it fail, there is none.
         (self.here, self.known) = (false, false);
-        self.taken = [t, h];
+        self.taken = h;
         self.iteration.forget();
         if let Some(coupled) = &mut self.coupled {
             coupled.forget();

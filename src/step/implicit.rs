@@ -18,8 +18,8 @@ use crate::tableau::{DoubleDouble, Form, Stages};
 use num_traits::{One, Zero};
 use std::sync::Arc;
 
-/// A Jacobian is taken anew after so many of the steps that it was taken for.
-const AGE: f64 = 20.0;
+/// A Jacobian is taken anew for a step so many times as long as that which it was taken for.
+const GROWN: f64 = 5.0;
 
 /// M - h g J, factored, for one of the numbers g on the table's diagonal.
 #[derive(Clone)]
@@ -42,8 +42,8 @@ pub(crate) struct Solver<Y: State> {
     pub(super) here: bool,
     /// There is a Jacobian at all.
     pub(super) known: bool,
-    /// When it was taken, and for a step of what size.
-    pub(super) taken: [RealOf<Y>; 2],
+    /// The size of the step that it was taken for.
+    pub(super) taken: RealOf<Y>,
     /// A step was accepted: its slopes are there.
     pub(super) begun: bool,
     pub(super) factors: Vec<Factors<RealOf<Y>, Y::Square>>,
@@ -114,7 +114,7 @@ impl<Y: State> Solver<Y> {
             mass: known.mass.clone(),
             here: false,
             known: false,
-            taken: [RealOf::<Y>::zero(); 2],
+            taken: RealOf::<Y>::zero(),
             begun: false,
             factors,
             slope: y.clone(),
@@ -173,7 +173,7 @@ impl<Y: State> Solver<Y> {
         match form.stages() {
             Stages::Linear => self.linear(form, x, out, system, (t, end), h)?,
             stages => {
-                if !self.known || !self.here && !(self.iteration.quick() && self.lasts(t)) {
+                if !self.known || !self.here && !(self.iteration.quick() && self.lasts(h)) {
                     self.renew(form, system, t, h, &x[0])?;
                 }
                 if let Some(coupled) = &mut self.coupled
@@ -212,11 +212,11 @@ impl<Y: State> Solver<Y> {
         Ok(())
     }
 
-    /// The Jacobian may still serve at `t`, if it did up to now. One that was taken in a fast motion hides in the slow
-    /// one after it what is left of an iteration: it is a thousand times larger, and all corrections are as small.
-    fn lasts(&self, t: RealOf<Y>) -> bool {
-        let [from, h] = self.taken;
-        (t - from).modulus() <= (h * RealOf::<Y>::from_f64(AGE)).modulus()
+    /// The Jacobian may still serve a step of that size, if it did up to now. One that was taken in a fast motion hides
+    /// in the slow one after it what is left of an iteration: it is a thousand times larger, and all corrections are as
+    /// small.
+    fn lasts(&self, h: RealOf<Y>) -> bool {
+        h.modulus() <= (self.taken * RealOf::<Y>::from_f64(GROWN)).modulus()
     }
 
     /// Takes the Jacobian of what the stages solve for.
