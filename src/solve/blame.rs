@@ -1,9 +1,9 @@
 //! Whom to blame for a step that failed: off the hot path, compiled once for a state.
 
-use super::outcome::{Stats, Why, first_non_finite};
+use super::outcome::{Stats, Why};
 use crate::step::norm::Tolerance;
 use crate::step::scalar::{Real, Scalar};
-use crate::step::state::{RealOf, State};
+use crate::step::state::{RealOf, State, first_non_finite};
 use crate::step::stepper::View;
 use num_traits::Zero;
 

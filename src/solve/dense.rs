@@ -1,8 +1,8 @@
 //! Values between steps: the table's own interpolant, else Hermite interpolation of matching order.
 
-use super::outcome::{Interpolant, Why, first_non_finite};
+use super::outcome::{Interpolant, Why};
 use crate::step::scalar::{Real, Scalar};
-use crate::step::state::{RealOf, State};
+use crate::step::state::{RealOf, State, add, first_non_finite};
 use crate::step::stepper::{View, start_slope_at};
 use crate::step::system::System;
 use crate::tableau::{DoubleDouble as D, Form, Meaning, Row};
@@ -391,11 +391,4 @@ fn quintic_slope<R: Real>(s: R, h: R) -> [R; 5] {
 
 fn copy<Y: State>(to: &mut Y, from: &Y) {
     to.as_mut_slice().copy_from_slice(from.as_slice());
-}
-
-/// `out += a x`.
-fn add<Y: State>(out: &mut Y, a: RealOf<Y>, x: &Y) {
-    for (out, &x) in out.as_mut_slice().iter_mut().zip(x.as_slice()) {
-        *out = *out + x.scale(a);
-    }
 }

@@ -266,9 +266,3 @@ impl<Y: State> fmt::Debug for Stopped<Y> {
 }
 
 impl<Y: State> std::error::Error for Stopped<Y> {}
-
-/// The first component that is a NaN or an infinity.
-pub(crate) fn first_non_finite<Y: State>(y: &Y) -> Option<usize> {
-    use crate::step::scalar::Scalar;
-    y.as_slice().iter().position(|x| !x.finite())
-}

@@ -1,11 +1,11 @@
 //! How a run starts: the carried vectors filled from what they mean, and the size of the first step.
 
 use super::leg::Rules;
-use super::outcome::{Stats, first_non_finite};
+use super::outcome::Stats;
 use crate::methods;
 use crate::step::method::{Loaded, Method};
 use crate::step::scalar::{Real, Scalar};
-use crate::step::state::{RealOf, State};
+use crate::step::state::{RealOf, State, first_non_finite};
 use crate::step::stepper::{Refused, Unsolved};
 use crate::step::system::System;
 use crate::tableau::{Form, Meaning};

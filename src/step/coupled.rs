@@ -2,6 +2,7 @@
 //! (Butcher 1976, BIT 16, 237; Hairer, Wanner 1996, IV.8).
 
 use super::derivative::subtract;
+use super::estimate::Estimate;
 use super::implicit::finite;
 use super::iteration::Iteration;
 use super::measure::weighted_square;
@@ -53,17 +54,10 @@ pub(super) struct Coupled<Y: State> {
     lagrange: Vec<RealOf<Y>>,
     w: Y,
     pairs: Y::Pairs,
-    /// gamma_0 and the weights of f_n and F_i in the error estimate, where the table has none of its own.
-    estimate: Option<Estimate<RealOf<Y>, Y::Square>>,
-    error: Y,
-}
-
-#[derive(Clone)]
-struct Estimate<R, Q> {
-    gamma: R,
-    weights: Vec<R>,
-    /// The factors of M - h gamma J, where gamma is no eigenvalue.
-    own: Option<Q>,
+    /// Where the table has none of its own.
+    estimate: Option<Estimate<Y>>,
+    /// The factors that belong to it, where its gamma is no eigenvalue.
+    own: Option<Y::Square>,
 }
 
 impl<Y: State> Coupled<Y> {
@@ -89,16 +83,10 @@ impl<Y: State> Coupled<Y> {
         });
         let single: Vec<_> = single.collect();
         let c: Vec<f64> = (0..s).map(|i| form.c[i].to_f64()).collect();
-        let estimate = form.estimated().then(|| {
-            let eigenvalue = single.first().map(|x| x.value.to_f64());
-            // Without a real one: as far from zero as the pair nearest to it.
-            let gamma = eigenvalue.unwrap_or_else(|| eigen.values[0].norm());
-            let b = form.weights();
-            let hat = interpolatory(&c, gamma);
-            let weights = (0..s).map(|i| real(hat[i] - b[i].to_f64())).collect();
-            let own = eigenvalue.is_none().then(|| Y::Square::new(&known.pattern));
-            Estimate { gamma: real(gamma), weights, own }
-        });
+        let eigenvalue = single.first().map(|x| x.value.to_f64());
+        let estimated = form.estimated();
+        // Without a real one: as far from zero as the pair nearest to it.
+        let gamma = eigenvalue.unwrap_or_else(|| eigen.values[0].norm());
         Some(Self {
             double: double.collect(),
             single,
@@ -114,8 +102,8 @@ impl<Y: State> Coupled<Y> {
             lagrange: (0..s).map(|j| real(1.0 / apart(&c, j))).collect(),
             w: y.clone(),
             pairs: y.pairs(),
-            estimate,
-            error: y.clone(),
+            estimate: estimated.then(|| Estimate::new(form, &c, gamma, y)),
+            own: (estimated && eigenvalue.is_none()).then(|| Y::Square::new(&known.pattern)),
         })
     }
 
@@ -154,8 +142,8 @@ impl<Y: State> Coupled<Y> {
             real(&mut block.matrix, block.value)?;
             effort.factorizations += 1;
         }
-        if let Some(Estimate { gamma, own: Some(matrix), .. }) = &mut self.estimate {
-            real(matrix, *gamma)?;
+        if let (Some(estimate), Some(matrix)) = (&self.estimate, &mut self.own) {
+            real(matrix, estimate.gamma)?;
             effort.factorizations += 1;
         }
         for block in &mut self.double {
@@ -319,9 +307,8 @@ impl<Y: State> Coupled<Y> {
         }
     }
 
-    /// The error of the step, `(M - h gamma J)^-1 h (gamma f_n + M sum (bhat - b)_i F_i)`: an embedded formula of
-    /// order s that uses f at the start, freed of the stiff components (Shampine's filter). `None` where the
-    /// table has rows of its own.
+    /// The error of the step, freed of the stiff components (Shampine's filter): `(M - h gamma J)^-1` times the
+    /// [`Estimate`]. `None` where the table has rows of its own.
     pub fn error(
         &mut self,
         h: RealOf<Y>,
@@ -329,27 +316,13 @@ impl<Y: State> Coupled<Y> {
         slopes: &[Y],
         mass: Option<&ConstantMass<Y::Scalar>>,
     ) -> Option<&Y> {
-        let estimate = self.estimate.as_mut()?;
-        let error = self.error.as_mut_slice();
-        for (e, f) in error.iter_mut().zip(start.as_slice()) {
-            *e = f.scale(h * estimate.gamma);
-        }
-        for (&weight, f) in estimate.weights.iter().zip(slopes) {
-            match mass {
-                None => {
-                    for (e, f) in error.iter_mut().zip(f.as_slice()) {
-                        *e = *e + f.scale(h * weight);
-                    }
-                }
-                Some(mass) => mass.add_product(error, h * weight, f.as_slice()),
-            }
-        }
-        match (&mut estimate.own, self.single.first_mut()) {
-            (Some(matrix), _) => matrix.solve(error),
-            (None, Some(block)) => block.matrix.solve(error),
+        let error = self.estimate.as_mut()?.of(h, start, slopes, mass);
+        match (&mut self.own, self.single.first_mut()) {
+            (Some(matrix), _) => matrix.solve(error.as_mut_slice()),
+            (None, Some(block)) => block.matrix.solve(error.as_mut_slice()),
             (None, None) => {}
         }
-        Some(&self.error)
+        Some(error)
     }
 }
 
@@ -382,21 +355,6 @@ pub(crate) fn matrix<R: Real>(form: &Form) -> Vec<Vec<R>> {
         a[i][i] = R::of(row.diagonal);
     }
     a
-}
-
-/// The weights of the slopes at c that make `gamma f(0) + sum weight_i f(c_i)` exact for as many powers.
-fn interpolatory(c: &[f64], gamma: f64) -> Vec<f64> {
-    let s = c.len();
-    // sum_i weight_i c_i^(k-1) = 1/k - gamma [k = 1], by elimination column by column.
-    let mut matrix: Vec<f64> = c.iter().flat_map(|&c| (0..s).map(move |k| c.powi(k as i32))).collect();
-    let mut x: Vec<f64> = (1..=s).map(|k| 1.0 / k as f64 - if k == 1 { gamma } else { 0.0 }).collect();
-    let mut pivots = vec![0; s];
-    match crate::linear::factor(s, &mut matrix, &mut pivots) {
-        Ok(()) => crate::linear::solve(s, &matrix, &pivots, &mut x),
-        // Nodes are distinct where an estimate is asked for.
-        Err(_) => x.fill(f64::NAN),
-    }
-    x
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use super::rounding::Rounding;
 use super::row::{assemble_read, powers};
 use super::scalar::{Plain, Real, Scalar};
 use super::split::Stiff;
-use super::state::{RealOf, State};
+use super::state::{RealOf, State, first_non_finite};
 use super::stepper::{Refused, Unsolved, View, is_one};
 use super::system::System;
 use crate::linear::{ConstantMass, Effort, Groups, Known, Pattern, Square, factor_shifted};
@@ -336,20 +336,9 @@ impl<Y: State> Solver<Y> {
 
 /// What f gave is a number.
 pub(super) fn finite<Y: State>(slope: &Y) -> Result<(), Unsolved> {
-    match slope.as_slice().iter().position(|x| !x.finite()) {
-        Some(component) => Err(Unsolved::NonFinite { component }),
-        None => Ok(()),
-    }
+    first_non_finite(slope).map_or(Ok(()), |component| Err(Unsolved::NonFinite { component }))
 }
 
 pub(super) fn stage_time<R: Real>(c: DoubleDouble, t: R, end: R, h: R) -> R {
     if is_one(c) { end } else { t + R::of(c) * h }
-}
-
-/// `out += a x`.
-#[inline(always)]
-pub(super) fn add<Y: State>(out: &mut Y, a: RealOf<Y>, x: &Y) {
-    for (out, &x) in out.as_mut_slice().iter_mut().zip(x.as_slice()) {
-        *out = *out + x.scale(a);
-    }
 }

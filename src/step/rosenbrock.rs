@@ -1,9 +1,9 @@
 //! Rosenbrock stages: one linear equation each, with the Jacobian of the step (Hairer, Wanner 1996, IV.7).
 
-use super::implicit::{Solver, add, finite, stage_time};
+use super::implicit::{Solver, finite, stage_time};
 use super::row::{assemble_read, powers};
 use super::scalar::{Plain, Real, Scalar};
-use super::state::{RealOf, State};
+use super::state::{RealOf, State, add};
 use super::stepper::{Refused, Unsolved};
 use super::system::System;
 use crate::linear::{Square, time_derivative};

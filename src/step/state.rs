@@ -51,6 +51,19 @@ pub trait State: Clone {
     fn take(&mut self, from: &mut Self);
 }
 
+/// The first component that is a NaN or an infinity.
+pub(crate) fn first_non_finite<Y: State>(y: &Y) -> Option<usize> {
+    y.as_slice().iter().position(|x| !x.finite())
+}
+
+/// `out += a x`.
+#[inline(always)]
+pub(crate) fn add<Y: State>(out: &mut Y, a: RealOf<Y>, x: &Y) {
+    for (out, &x) in out.as_mut_slice().iter_mut().zip(x.as_slice()) {
+        *out = *out + x.scale(a);
+    }
+}
+
 #[inline(always)]
 fn added<A: Arith, T: Scalar>(base: T, scale: Option<T::Real>, sum: T) -> T {
     match scale {
