@@ -114,7 +114,7 @@ fn chosen(names: &[String]) -> Result<Vec<Case>, Failure> {
 fn contestants(args: &Args) -> Result<Vec<Solver>, Failure> {
     let fits = |method: &Loaded| {
         let form = method.form();
-        form.d == 1 && form.adaptive() && !form.explicit()
+        form.d == 1 && form.adaptive() && !form.explicit() && (form.orders == 0 || form.damped)
     };
     if args.all {
         let all = methods::all().iter().filter_map(|m| Loaded::parse(m.name, m.text).ok());
@@ -133,7 +133,7 @@ fn contestants(args: &Args) -> Result<Vec<Solver>, Failure> {
         match fits(&method) {
             true => Ok(Solver::Named(method)),
             false => Err(Failure::Input(format!(
-                "{name} is not for stiff problems with adaptive steps: its stages are explicit or it has no error estimate"
+                "{name} is not for stiff problems with adaptive steps: its stages are explicit, or solved without a matrix, or it has no error estimate"
             ))),
         }
     };

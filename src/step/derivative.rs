@@ -1,7 +1,7 @@
 //! The Jacobian of a step, and the mass matrix in a residual.
 
 use super::implicit::Solver;
-use super::scalar::Scalar;
+use super::scalar::{Real, Scalar};
 use super::state::{RealOf, State};
 use super::stepper::Unsolved;
 use super::system::System;
@@ -31,7 +31,10 @@ impl<Y: State> Solver<Y> {
                 return Err(Unsolved::OutsidePattern { row, column });
             }
             self.effort.jacobians += 1;
+            self.noise = RealOf::<Y>::EPSILON;
         } else {
+            // A difference is good to half the digits.
+            self.noise = RealOf::<Y>::from_f64(RealOf::<Y>::EPSILON.to_f64().sqrt());
             self.slope(system, t, y)?;
             by_differences(
                 system,

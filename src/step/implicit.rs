@@ -44,6 +44,8 @@ pub(crate) struct Solver<Y: State> {
     pub(super) known: bool,
     /// The size of the step that it was taken for.
     pub(super) taken: RealOf<Y>,
+    /// What its entries miss, relative to the largest.
+    pub(super) noise: RealOf<Y>,
     /// A step was accepted: its slopes are there.
     pub(super) begun: bool,
     pub(super) factors: Vec<Factors<RealOf<Y>, Y::Square>>,
@@ -115,6 +117,7 @@ impl<Y: State> Solver<Y> {
             here: false,
             known: false,
             taken: RealOf::<Y>::zero(),
+            noise: RealOf::<Y>::EPSILON,
             begun: false,
             factors,
             slope: y.clone(),
@@ -259,12 +262,12 @@ impl<Y: State> Solver<Y> {
 
     /// A determinant of I - hg J below 0 means that an eigenvalue of J is real and larger than 1/(hg): what grows like
     /// that would be damped, and the solution left for one that is not there. Steps that are chosen avoid it, unless
-    /// the sign may be that of rounding in J.
+    /// the sign may be that of what the entries of J miss.
     fn outgrown(&self, hg: RealOf<Y>) -> bool {
         let entries = self.jacobian.entries().iter().map(|x| x.modulus());
         let largest = entries.fold(RealOf::<Y>::zero(), |a, b| if b > a { b } else { a });
-        let rounding = (hg * largest).modulus() * RealOf::<Y>::EPSILON;
-        self.adaptive && self.mass.is_none() && rounding * RealOf::<Y>::from_f64(1e2) < RealOf::<Y>::one()
+        let missed = (hg * largest).modulus() * self.noise;
+        self.adaptive && self.mass.is_none() && missed * RealOf::<Y>::from_f64(1e2) < RealOf::<Y>::one()
     }
 
     /// f at the start of the step.

@@ -225,7 +225,13 @@ impl<Y: State> Solver<Y> {
         let made = self.factors[0].hg;
         let near = !made.is_zero() && (hg / made - RealOf::<Y>::one()).modulus().to_f64() <= NEAR;
         if !near || family.ages[0] >= AGES[0] {
-            self.refactor(0, hg)?;
+            match self.refactor(0, hg) {
+                // Of an old Jacobian it says nothing.
+                Err(Unsolved::Outgrown) if !self.here => {
+                    return self.matrix(family, system, t, h, y, hg, true);
+                }
+                made => made?,
+            }
             family.ages[0] = 0;
             family.corrections.forget();
         }
