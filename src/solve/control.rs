@@ -16,11 +16,11 @@ pub struct Controller {
     /// a2: how much of the last change of step is taken back. Below 0 the steps are expected to go on changing as they
     /// did; they then never grow by more than the last error alone allows.
     pub steps: f64,
-    /// The error aimed at is this factor to the power k. Default 0.9; nearer to 1 more steps are rejected.
+    /// The error aimed at is this factor to the power k. Default 0.9, of implicit methods 0.8; nearer to 1 more steps are rejected.
     pub safety: f64,
     /// A step never shrinks by more than this at once. Default 0.2.
     pub shrink: f64,
-    /// A step never grows by more than this at once. Default 10.
+    /// A step never grows by more than this at once. Default 10, of implicit methods 6.
     pub grow: f64,
 }
 
@@ -188,6 +188,7 @@ mod tests {
         assert!(control.accepted(0.0, || 1.0) <= 1.0, "no growth right after a rejection");
         assert!(near(control.accepted(1.0, || 1.0), 0.9));
     }
+
     #[test]
     fn growth_is_foretold_but_not_beyond_what_the_error_allows() {
         let near = |a: f64, b: f64| (a / b - 1.0).abs() < 0.06;
