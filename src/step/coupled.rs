@@ -297,9 +297,9 @@ impl<Y: State> Coupled<Y> {
             let theta = RealOf::<Y>::one() + ratio * c[i];
             for j in 0..s {
                 drawn[j] = lagrange[j];
-                for k in 0..s {
+                for (k, &node) in c.iter().enumerate() {
                     if k != j {
-                        drawn[j] = drawn[j] * (theta - c[k]);
+                        drawn[j] = drawn[j] * (theta - node);
                     }
                 }
             }

@@ -176,7 +176,8 @@ impl<Y: State> Solver<Y> {
         match form.stages() {
             Stages::Linear => self.linear(form, x, out, system, (t, end), h)?,
             stages => {
-                if !self.known || !self.here && !(self.iteration.quick() && self.lasts(h)) {
+                let serves = self.here || self.iteration.quick() && self.lasts(h);
+                if !(self.known && serves) {
                     self.renew(form, system, t, h, &x[0])?;
                 }
                 if let Some(coupled) = &mut self.coupled

@@ -48,15 +48,12 @@ fn block<T: Scalar, const K: usize, const WIDTH: usize>(
     let mut block = [[T::zero(); WIDTH]; K];
     for k in 0..K {
         let z = &z[k][at..at + WIDTH];
-        for i in 0..WIDTH {
-            block[k][i] = z[i].scale(powers[k]);
-        }
+        block[k].iter_mut().zip(z).for_each(|(to, z)| *to = z.scale(powers[k]));
     }
     for k in 0..K - 1 {
         for j in (k..K - 1).rev() {
-            for i in 0..WIDTH {
-                block[j][i] = block[j][i] + block[j + 1][i];
-            }
+            let (low, high) = block.split_at_mut(j + 1);
+            low[j].iter_mut().zip(&high[0]).for_each(|(low, &high)| *low = *low + high);
         }
     }
     for k in 0..K {
