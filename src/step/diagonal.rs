@@ -94,6 +94,8 @@ impl<Y: State> Solver<Y> {
         let (r, last) = (form.r, form.r + form.s - 2);
         let c = RealOf::<Y>::of(form.c[i]);
         let per = RealOf::<Y>::one() / (h * RealOf::<Y>::of(form.stage[i].diagonal));
+        // In a step too small for that nothing moves.
+        let per = if per.finite() { per } else { RealOf::<Y>::zero() };
         for n in 0..g.as_slice().len() {
             let kept = if self.begun { x[last].as_slice()[n] } else { Y::Scalar::zero() };
             let slope = kept + x[r + 1].as_slice()[n];

@@ -37,8 +37,9 @@ fn components_of_every_size_have_their_own_tolerance() {
             .unwrap_or_else(|e| panic!("{}: {e}", method.name()));
         for (i, rate) in [-1f64, -2.0, -3.0, 1.0].into_iter().enumerate() {
             let relative = (s.y[i] / y0[i] / rate.exp() - 1.0).abs();
-            // Ten or so local errors of at most twice 1e-8 of the larger y, e^3 of the smallest at the end.
-            assert!(relative < 1e-5, "{}, component {i}: {relative:e}", method.name());
+            // Local errors of at most twice 1e-8 of the larger y, e^3 of the smallest at the end: ten or so, or some
+            // hundred of a pair of order two.
+            assert!(relative < 3e-5, "{}, component {i}: {relative:e}", method.name());
         }
     }
     // A component without a tolerance of its own is not followed, and does not hold the others up.
