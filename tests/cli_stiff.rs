@@ -87,6 +87,7 @@ fn hard_refuses_in_one_line() {
         (&["--problem", "lorenz63"], "the hard problems are"),
         (&["--method", "rodas5q"], "did you mean rodas"),
         (&["--method", "dp54"], "its stages are explicit or it has no error estimate"),
+        (&["--method", "adams"], "or it solves them without a matrix"),
         (&["--method", "gauss2", "--problem", "xyzzy"], "the hard problems are"),
         (&["--method", "backward-euler"], "backward-euler is not for stiff problems with adaptive steps"),
         (&["--method", "velocity-verlet"], "is not for stiff problems"),

@@ -133,7 +133,7 @@ fn contestants(args: &Args) -> Result<Vec<Solver>, Failure> {
         match fits(&method) {
             true => Ok(Solver::Named(method)),
             false => Err(Failure::Input(format!(
-                "{name} is not for stiff problems with adaptive steps: its stages are explicit, or solved without a matrix, or it has no error estimate"
+                "{name} is not for stiff problems with adaptive steps: its stages are explicit or it has no error estimate, or it solves them without a matrix"
             ))),
         }
     };
