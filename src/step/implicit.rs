@@ -339,6 +339,7 @@ impl<Y: State> Solver<Y> {
 }
 
 /// What f gave is a number.
+#[inline(always)]
 pub(super) fn finite<Y: State>(slope: &Y) -> Result<(), Unsolved> {
     first_non_finite(slope).map_or(Ok(()), |component| Err(Unsolved::NonFinite { component }))
 }

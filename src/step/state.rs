@@ -52,6 +52,7 @@ pub trait State: Clone {
 }
 
 /// The first component that is a NaN or an infinity.
+#[inline(always)]
 pub(crate) fn first_non_finite<Y: State>(y: &Y) -> Option<usize> {
     y.as_slice().iter().position(|x| !x.finite())
 }
