@@ -115,7 +115,7 @@ impl<R: Real> fmt::Display for Choice<R> {
 pub(crate) struct Chooser<R> {
     /// The method in hand is one for stiff problems.
     pub stiff: bool,
-    /// The Jacobian is only near df/dy.
+    /// The method for stiff problems has to be one that iterates.
     iterating: bool,
     /// Taken along by the leg that runs.
     pub stiffness: Option<Stiffness>,

@@ -4,6 +4,7 @@
 
 use super::coupled::Coupled;
 use super::iteration::Iteration;
+use super::measure::largest;
 use super::nordsieck::Nordsieck;
 use super::norm::Tolerance;
 use super::rounding::Rounding;
@@ -265,9 +266,8 @@ impl<Y: State> Solver<Y> {
     /// that would be damped, and the solution left for one that is not there. Steps that are chosen avoid it, unless
     /// the sign may be that of what the entries of J miss.
     fn outgrown(&self, hg: RealOf<Y>) -> bool {
-        let entries = self.jacobian.entries().iter().map(|x| x.modulus());
-        let largest = entries.fold(RealOf::<Y>::zero(), |a, b| if b > a { b } else { a });
-        let missed = (hg * largest).modulus() * self.noise;
+        let steepest = largest(self.jacobian.entries().iter().map(|x| x.modulus()));
+        let missed = (hg * steepest).modulus() * self.noise;
         self.adaptive && self.mass.is_none() && missed * RealOf::<Y>::from_f64(1e2) < RealOf::<Y>::one()
     }
 

@@ -12,6 +12,11 @@ use num_traits::{One, Zero};
 /// A step that could grow by no more than this is kept.
 const KEPT: f64 = 1.2;
 
+/// Of sizes, none of them below zero.
+pub(super) fn largest<R: Real>(x: impl Iterator<Item = R>) -> R {
+    x.fold(R::zero(), R::maximum)
+}
+
 /// The sum over components of the square of what `x` gives for each, in lanes that do not wait for each other. (Short
 /// vectors are summed where they are written: read back at once, they would have to be waited for.)
 #[inline(always)]

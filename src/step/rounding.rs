@@ -7,6 +7,7 @@
 //! to step, damped and kept as the solution is.
 
 use super::implicit::Solver;
+use super::measure::largest;
 use super::scalar::{Real, Scalar};
 use super::state::{RealOf, State};
 use super::stepper::Unsolved;
@@ -100,8 +101,4 @@ impl<Y: State> Solver<Y> {
         rounding.fresh = true;
         Ok(())
     }
-}
-
-fn largest<R: Real>(x: impl Iterator<Item = R>) -> R {
-    x.fold(R::zero(), R::maximum)
 }
